@@ -1,4 +1,4 @@
-"""Renders an export for Blender by Cycles as often as it is asked to: FOLDER of scene.py.
+"""Renders an export for Blender by Cycles as often as requested: FOLDER of scene.py.
 
 Prints a line of JSON when the scene is built, then one for each line of JSON that it reads,
 {"spp", "seed", "picture"}: {"seconds"}. Groups in FOLDER/foreign.json get a Principled BSDF:
@@ -10,7 +10,7 @@ import os
 import sys
 import time
 
-# Blender speaks on standard output, some lines for each sample; nobody needs them.
+# Blender prints lines for each sample on standard output, which nobody needs.
 answers = os.fdopen(os.dup(1), "w")
 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 

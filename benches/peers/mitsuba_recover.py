@@ -1,10 +1,10 @@
-"""Recovers reflectances by Mitsuba 3 alone: Adam on the gradients of `prb`. ASKED.json says
+"""Recovers reflectances by Mitsuba 3 alone: Adam on the gradients of `prb`. ASKED.json has
 
 scene, photo       the files; groups that reflect by the plugin `ward` are glossy
 diffuse, glossy    the groups to recover, by name
 truth              by group: rho_d, and for glossy ones rho_s, alpha_x, alpha_y
-theta              the anisotropy direction to begin with, radians; the true one is zero
-spp, rate, seconds paths a pixel, Adam's learning rate to begin with, and when to give up
+theta              the initial anisotropy direction, radians; the true one is zero
+spp, rate, seconds paths per pixel, Adam's initial learning rate, and when to give up
 
 Prints a line of JSON for each iteration: iteration, seconds, and the largest errors rho, alpha
 (relative) and degrees. Compiling is not counted.
@@ -23,7 +23,7 @@ import ward
 
 ward.register()
 asked = json.load(open(sys.argv[1]))
-# Optimised, groups that begin alike would become one.
+# With optimisation, groups with equal initial materials would be merged.
 scene = mi.load_file(asked['scene'], optimize=False)
 photo = mi.TensorXf(mi.Bitmap(asked['photo']).convert(
     mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False))
@@ -35,7 +35,7 @@ rho_d = {g: f'm_{g}.brdf_0.reflectance.value' for g in asked['diffuse']}
 rho_d.update({g: f'm_{g}.rho_d' for g in asked['glossy']})
 keys = list(rho_d.values()) + [f'm_{g}.{name}' for g in asked['glossy'] for name in LOBE]
 params.keep(keys)
-# A short memory of how large gradients were: the first are much larger than the later ones.
+# A short memory of gradient sizes: the first gradients are much larger than later ones.
 adam = mi.ad.Adam(lr=asked['rate'], beta_2=0.99)
 for key in keys:
     adam[key] = mi.Float(asked['theta']) if key.endswith('.theta') else params[key]
@@ -52,7 +52,7 @@ def clamp():
 
 
 def slow_down(iteration):
-    """Smaller steps as time goes by; roughnesses are a tenth of reflectances, and so are theirs."""
+    """Steps decrease with time; those of roughnesses are a tenth of those of reflectances."""
     rate = asked['rate'] / (1 + iteration / 100)
     adam.set_learning_rate({key: rate / 10 if 'alpha' in key else rate for key in keys})
 

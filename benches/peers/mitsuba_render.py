@@ -1,7 +1,7 @@
-"""Renders a scene for Mitsuba 3 as often as it is asked to: VARIANT SCENE.xml.
+"""Renders a scene for Mitsuba 3 as often as requested: VARIANT SCENE.xml.
 
 Prints a line of JSON when the scene is loaded, then one for each line of JSON that it reads,
-{"spp", "seed", "picture"}: {"seconds"}, which leaves out the writing of the picture.
+{"spp", "seed", "picture"}: {"seconds"}, without the time to write the picture.
 """
 
 import json

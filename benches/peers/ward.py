@@ -2,8 +2,9 @@
 masked for both directions together (Smith's height-correlated term), which Mitsuba's own is not.
 
 f = rho_d/pi + rho_s w(wi, wo; alpha_x, alpha_y, theta), with w and its sampling as in
-crates/render/src/bsdf/ward.rs and, with `ggx`, as in crates/render/src/bsdf/ggx.rs. Reflects alike on both sides. theta (radians) turns the brushed
-direction from the frame's first axis, counter-clockwise seen from the front.
+crates/render/src/bsdf/ward.rs and, with `ggx`, as in crates/render/src/bsdf/ggx.rs. It reflects
+equally on both sides. theta (radians) turns the brushed direction from the frame's first axis,
+counter-clockwise seen from the front.
 """
 
 import drjit as dr
@@ -30,7 +31,7 @@ class Ward(mi.BSDF):
             callback.put(name, getattr(self, name), mi.ParamFlags.Differentiable)
 
     def _share(self):
-        """How often the lobe is drawn."""
+        """The probability of sampling the lobe."""
         d, s = dr.mean(dr.detach(self.rho_d)), dr.mean(dr.detach(self.rho_s))
         return s / dr.maximum(d + s, 1e-6)
 
@@ -96,7 +97,7 @@ class Ward(mi.BSDF):
             h = mi.Vector3f(sin_h * x, sin_h * y, cos_h)
             wo = dr.select(glossy, 2 * dr.dot(wi, h) * h - wi,
                            mi.warp.square_to_cosine_hemisphere(sample2))
-            # Out of the brushed frame, and to the side that is seen.
+            # From the brushed frame to the surface's, and to the visible side.
             sin, cos = dr.sincos(self.theta)
             wo = mi.Vector3f(cos * wo.x - sin * wo.y, sin * wo.x + cos * wo.y, wo.z)
             wo = mi.Vector3f(wo.x, dr.mulsign(wo.y, side), dr.mulsign(wo.z, side))
@@ -125,5 +126,5 @@ class Ward(mi.BSDF):
 
 
 def register():
-    """Makes the plugin known as `ward`; after the variant is set."""
+    """Registers the plugin as `ward`; call it after the variant is set."""
     mi.register_bsdf('ward', Ward)

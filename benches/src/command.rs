@@ -1,4 +1,4 @@
-//! The built command, run as a user would.
+//! Runs the built command as a user would.
 
 use crate::{Failure, peers, root};
 use std::ffi::OsString;
@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use std::time::Instant;
 use unrender::run::Run;
 
-/// The profile of this build: `dist` or `release`, after which its folder is called.
+/// The profile of this build, which names its folder: `dist` or `release`.
 fn profile() -> String {
     let this = std::env::current_exe().unwrap_or_default();
     let folder = this.parent().and_then(|folder| folder.file_name()).unwrap_or_default();
@@ -41,15 +41,15 @@ impl Unrender {
         Ok(Self(path))
     }
 
-    /// Where it is.
+    /// Its path.
     pub(crate) fn path(&self) -> &Path {
         &self.0
     }
 
-    /// Runs it to its good end; the seconds that it took.
+    /// Runs it; returns the seconds that it took.
     ///
     /// # Errors
-    /// If it ends otherwise.
+    /// If it fails.
     pub(crate) fn run(&self, arguments: &[OsString]) -> Result<f64, Failure> {
         let mut command = Command::new(&self.0);
         command.args(arguments).arg("--quiet").stdout(Stdio::null());

@@ -1,4 +1,4 @@
-//! What the numbers were measured on.
+//! The machine of a measurement, in words.
 
 use std::fs;
 use std::process::Command;
@@ -24,12 +24,12 @@ pub(crate) fn origin() -> String {
     format!("Measured on {day}: unrender {version}{}, {} cores.", revision(), cores())
 }
 
-/// How many threads are used.
+/// The number of threads.
 pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)
 }
 
-/// The commit that the program was built from, where git tells.
+/// The commit from which the program was built, if git knows it.
 fn revision() -> String {
     let mut git = Command::new("git");
     git.args(["rev-parse", "--short", "HEAD"]).current_dir(crate::root());

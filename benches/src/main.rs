@@ -1,16 +1,16 @@
-//! What unrender claims of its speed, measured beside the programs that one would use instead.
+//! The claims about the speed of unrender, measured beside the programs that one would use instead.
 //!
 //! `cargo run --profile dist -p unrender-benches` measures all claims, one after the other, and writes
 //! them to `docs/validation/performance.md`; `-- traversal` and so on one of them, whose section it
-//! replaces. Ratios are of measurements that took turns in one run, so that whatever else the machine
-//! does falls on both. The other programs come from PyPI into a folder beside the build's outputs; where
-//! one cannot be had, its rows say so. To add a claim, write a module with a `measure` beside
+//! replaces. Ratios are of measurements that alternate in one run, so that other load of the machine
+//! affects both. The other programs are installed from PyPI into a folder beside the build's outputs; if
+//! one is not available, its rows state it. To add a claim, write a module with a `measure` beside
 //! [`traversal`] and name it in [`Claim`].
 //!
-//! Six requests are no claims of speed: [`real`] and [`corpus`] recover from photographs that the program did
-//! not make, [`one_unknown`] is an experiment in seconds on one group at a time, [`noise`] says how noisy our
-//! light is, before a change of the renderer and after it, [`stored_paths`] what paths cost that are kept, and
-//! [`halves`] what half and double of a constant do.
+//! Six requests are not about speed: [`real`] and [`corpus`] recover from photographs that the program did not
+//! make, [`one_unknown`] is a fast experiment on one group at a time, [`noise`] measures the noise of our
+//! light, before and after a change of the renderer, [`stored_paths`] the cost of stored paths, and [`halves`]
+//! the effect of half and double of a constant.
 
 mod command;
 mod corpus;
@@ -36,10 +36,10 @@ use page::Section;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Whatever ends a measurement.
+/// Any error that ends a measurement.
 type Failure = Box<dyn std::error::Error>;
 
-/// Measures what unrender claims of its speed, and writes the page.
+/// Measures the claims about the speed of unrender, and writes the page.
 #[derive(Parser)]
 #[command(args_conflicts_with_subcommands = true)]
 struct Request {
@@ -48,7 +48,7 @@ struct Request {
     /// The claims to measure [default: all].
     #[arg(value_enum)]
     claims: Vec<Claim>,
-    /// Measure little, to see that it works; the page is not touched.
+    /// Measure little, as a trial; the page is not changed.
     #[arg(long)]
     quick: bool,
     /// The folder of the page and of its plots [default: docs/validation, or with --quick
@@ -57,7 +57,7 @@ struct Request {
     out: Option<PathBuf>,
 }
 
-/// What else can be asked for.
+/// The other requests.
 #[derive(Subcommand)]
 enum Other {
     /// Recovers materials from real photographs and scores them.
@@ -68,13 +68,14 @@ enum Other {
     OneUnknown(one_unknown::OneUnknownRequest),
     /// Recovers tiny scenes with half and double of the recovery's constants.
     Halves(halves::HalvesRequest),
-    /// Measures how noisy our light is, scene by scene and group by group.
+    /// Measures the noise of our light, scene by scene and group by group.
     Noise(noise::NoiseRequest),
-    /// Measures stored paths: what recording and replaying them cost, beside tracing them.
+    /// Measures stored paths: the cost of recording and replaying them, beside that of tracing
+    /// them.
     Stored(stored_paths::StoredRequest),
 }
 
-/// How much is measured.
+/// The effort of a measurement.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Effort {
     Quick,
@@ -88,7 +89,7 @@ impl Effort {
     }
 }
 
-/// What is claimed, in the order of the page.
+/// The claims, in the order of the page.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Claim {
     /// Rays per second, beside Embree.

@@ -1,5 +1,5 @@
-//! `performance.md`: a head, and one section a claim between marks, so that each can be replaced on
-//! its own.
+//! Writes `performance.md`: a head, and one section per claim between marks, so that each can be
+//! replaced alone.
 
 use crate::{Claim, Failure};
 use clap::ValueEnum;
@@ -18,11 +18,11 @@ cargo run --profile dist -p unrender-benches
 ```
 
 or, for one section, by `cargo run --profile dist -p unrender-benches -- NAME` with the name above its
-first table. Everything in a table was measured in one run: what is compared took turns, round by
-round, and a ratio is the median over the rounds. `benches/src/main.rs` says how.
+first table. Everything in a table was measured in one run: compared programs alternate, round by
+round, and a ratio is the median over the rounds. `benches/src/main.rs` describes how.
 ";
 
-/// What a claim has to say.
+/// The section of a claim.
 pub(crate) struct Section {
     /// Markdown, from its heading on.
     pub(crate) text: String,
@@ -30,7 +30,7 @@ pub(crate) struct Section {
     pub(crate) plots: Vec<(String, String)>,
 }
 
-/// Puts the section of the claim called `name` onto the page in `folder`, and its plots into
+/// Writes the section of the claim called `name` into the page in `folder`, and its plots into
 /// `images` there.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Curves on axes by powers of ten, as SVG.
+//! Draws curves on logarithmic axes, as SVG.
 
 use crate::Failure;
 use plotters::coord::Shift;
@@ -24,7 +24,7 @@ pub(crate) struct Curve {
     pub(crate) points: Vec<(f64, f64)>,
 }
 
-/// What the axes say.
+/// The labels of the axes.
 pub(crate) struct Axes<'a> {
     pub(crate) title: &'a str,
     pub(crate) x: &'a str,
@@ -33,7 +33,7 @@ pub(crate) struct Axes<'a> {
 
 /// The share of an axis that the legend may take.
 const LEGEND: (f64, f64) = (0.5, 0.35);
-/// Places along a piece of a curve that the legend should not cover.
+/// Points along a segment of a curve that the legend should not cover.
 const PLACES: usize = 16;
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -107,7 +107,7 @@ where
     Ok(())
 }
 
-/// The corner in which the legend covers least of the curves.
+/// The corner in which the legend covers the least of the curves.
 fn free_corner(curves: &[Curve]) -> SeriesLabelPosition {
     let points = || curves.iter().flat_map(|curve| curve.points.iter().copied());
     let (x, y) = (decades(points().map(|p| p.0)), decades(points().map(|p| p.1)));
@@ -138,7 +138,7 @@ fn free_corner(curves: &[Curve]) -> SeriesLabelPosition {
     least.map_or(SeriesLabelPosition::UpperLeft, |(_, corner)| corner)
 }
 
-/// As people write it: `0.001`, `20`, `1000000`.
+/// The number without an exponent: `0.001`, `20`, `1000000`.
 fn number(value: &f64) -> String {
     let rounded = format!("{value:.6}");
     rounded.trim_end_matches('0').trim_end_matches('.').to_owned()

@@ -1,4 +1,4 @@
-//! The scenes that are measured on: Figure 8, and a room of as many triangles as wanted.
+//! The scenes of the measurements: Figure 8, and a room of any number of triangles.
 
 mod cube;
 mod noise;

@@ -1,7 +1,7 @@
-//! Numbers that stand for many.
+//! The median and the geometric mean.
 
-/// The value in the middle; of an even number the mean of the two there. Not a number if there are
-/// none.
+/// The value in the middle; for an even number of values, the mean of the two in the middle. Not a
+/// number if there are none.
 pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut sorted: Vec<f64> = values.into_iter().collect();
     sorted.sort_by(f64::total_cmp);
@@ -11,7 +11,7 @@ pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     }
 }
 
-/// The mean of ratios. Not a number if there are none.
+/// The geometric mean of ratios. Not a number if there are none.
 pub(crate) fn geometric_mean(values: impl IntoIterator<Item = f64>) -> f64 {
     let (mut sum, mut count) = (0.0, 0);
     for value in values {

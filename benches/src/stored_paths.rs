@@ -1,8 +1,9 @@
-//! What paths cost that are kept: `cargo run --release --bin performance -- stored`.
+//! Measures the cost of stored paths: `cargo run --release --bin performance -- stored`.
 //!
 //! Each scene's picture is traced with all derivatives, its paths are recorded, and both are replayed. The
-//! columns are seconds of each, and how many times as fast a replay is as what it replaces: a rendering for
-//! radiance, a traced Jacobian for derivatives. The replayed radiance must be the traced one but for rounding.
+//! columns are seconds of each, and the speedup of a replay over the computation that it replaces: a rendering
+//! for radiance, a traced Jacobian for derivatives. The replayed radiance must equal the traced one except for
+//! rounding.
 
 use crate::noise::cases;
 use crate::noise::measure::Shot;
@@ -19,13 +20,13 @@ use unrender::scene::{Material, Rgb};
 /// factor on dim paths passes.
 const ROUNDING: f64 = 1e-4;
 
-/// Measures stored paths: what recording and replaying them cost, beside tracing them.
+/// Measures stored paths: the cost of recording and replaying them, beside that of tracing them.
 #[derive(Args)]
 pub(crate) struct StoredRequest {
-    /// The scenes by name, as of `noise` [default: all that are there].
+    /// The scenes by name, as for `noise` [default: all available ones].
     #[arg(value_name = "CASES")]
     cases: Vec<String>,
-    /// Paths a pixel.
+    /// Paths per pixel.
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
     /// A folder of scenes of the corpus.
@@ -33,7 +34,7 @@ pub(crate) struct StoredRequest {
     corpus: Option<PathBuf>,
 }
 
-/// The seconds of each way, and what is kept.
+/// The seconds of each step, and the size of the stored paths.
 struct Cost {
     parameters: usize,
     tracing: [f64; 2],
@@ -121,7 +122,7 @@ fn measure(shot: &Shot, spp: u32) -> Result<Cost, Failure> {
         replayed.is_finite() && off <= ROUNDING * mean
     };
     if !traced.iter().zip(&replayed.radiance).all(is_same) {
-        return Err("a replayed radiance is not the traced one".into());
+        return Err("a replayed radiance differs from the traced one".into());
     }
     Ok(Cost {
         parameters: parameters.len(),
@@ -133,7 +134,7 @@ fn measure(shot: &Shot, spp: u32) -> Result<Cost, Failure> {
     })
 }
 
-/// Everything that a recovery asks of these materials.
+/// All parameters of these materials that a recovery can determine.
 fn parameters(materials: &[Material]) -> Vec<Parameter> {
     let of_group = |(material, group): (&Material, u32)| {
         let mut all = vec![Parameter::RhoD(group)];
@@ -149,7 +150,7 @@ fn parameters(materials: &[Material]) -> Vec<Parameter> {
     materials.iter().zip(0..).flat_map(of_group).collect()
 }
 
-/// What `work` makes, and the seconds that it takes.
+/// The result of `work`, and the seconds that it takes.
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let started = Instant::now();
     let made = work();

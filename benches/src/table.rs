@@ -7,7 +7,7 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// A table without rows yet.
+    /// A table without rows.
     pub(crate) fn new<const N: usize>(head: [&str; N]) -> Self {
         let text = format!("| {} |\n|{}\n", head.join(" | "), "---|".repeat(N));
         Self { text, columns: N }
@@ -30,8 +30,8 @@ impl Table {
     }
 }
 
-/// A claim's line in the table at the head of a section: what was claimed, measured, and whether
-/// that holds.
+/// The last cells of a claim's line in the table at the head of a section: the measured value, and
+/// whether the claim holds.
 pub(crate) fn verdict(measured: f64, holds: bool) -> [String; 2] {
     let measured = if measured.is_finite() { format!("{measured:.2}") } else { "-".to_owned() };
     let held = if measured == "-" {

@@ -1,9 +1,10 @@
-//! The same bits by every way: each command that writes, on 1, 2 and 7 threads, with AVX2 and without.
-//! The digests go into a file, with which another build (release, or for another system) is compared.
+//! Checks for equal bits in every mode: each command that writes, on 1, 2 and 7 threads, with AVX2 and
+//! without. The digests are written to a file, with which another build (release, or for another
+//! system) is compared.
 //!
-//! The mathematical functions of the C library choose instructions by the processor, too. With glibc
-//! they are asked to leave out AVX2 and FMA; whether that changes bits is told, and is no fault of ours:
-//! see `docs/validation/same-bits.md`.
+//! The mathematical functions of the C library choose instructions by the processor, too. With glibc,
+//! AVX2 and FMA are switched off for them; whether that changes bits is reported, and is not an error of
+//! ours: see `docs/validation/same-bits.md`.
 
 use crate::faults::state::State;
 use crate::faults::work::{self, Bench, Work};
@@ -24,7 +25,7 @@ pub(crate) struct Args {
     against: Option<PathBuf>,
 }
 
-/// How a command is run: its threads, and what is set in its environment.
+/// The modes of a command: its threads, and a variable in its environment.
 const WAYS: [(&str, Option<(&str, &str)>); 4] =
     [("1", None), ("7", None), ("2", NO_AVX2), ("2", NO_FMA)];
 const NO_AVX2: Option<(&str, &str)> = Some(("UNRENDER_AVX2", "0"));
@@ -71,7 +72,7 @@ pub(crate) fn run(args: &Args) -> io::Result<ExitCode> {
     Ok(if equal { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// What `work` writes on so many `threads` with `variable` set.
+/// The files that `work` writes on `threads` threads with `variable` set.
 fn state(
     bench: &Bench,
     work: &Work,

@@ -1,12 +1,12 @@
-//! Mutated files for every reader, in processes that are watched: a panic, an abort, a file that takes
-//! more than ten seconds of a processor, waits for two minutes, or takes more memory than it may, is a
-//! finding. Its file is kept, and the exit code is 1.
+//! Mutated files for every reader, in watched processes: a panic, an abort, and a file that takes more
+//! than ten seconds of processor time, two minutes of clock time, or too much memory are findings. The
+//! file is kept, and the exit code is 1.
 //!
 //! `faults` interrupts commands instead of mutating files; `bits` compares their results by all code
 //! paths.
 //!
 //! To add a reader: write a function from a path in `targets.rs`, and seeds in `seeds.rs`. To keep a
-//! finding: put its file into `crates/formats/tests/data/hostile`, where the tests read it for ever.
+//! finding: put its file into `crates/formats/tests/data/hostile`, where the tests always read it.
 
 #[cfg(unix)]
 mod bits;
@@ -28,32 +28,32 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 use targets::{ALL, Target};
 
-/// No file may take longer by the clock: what is ten seconds of a processor on a machine that has others
-/// to serve ten times as much. With half of it, such machines find what is not there; with double, a
-/// reader that waits for ever costs four minutes.
+/// The most clock time of a file: ten seconds of processor time on a machine with ten times the load.
+/// With half of it, such machines report false findings; with double, a reader that waits without end
+/// costs four minutes.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// How long a worker lives, so that all targets get their turn.
+/// The lifetime of a worker, so that all targets get their turn.
 const TURN: Duration = Duration::from_secs(3);
 
 /// Reads mutated files of every kind.
 #[derive(Debug, Parser)]
 struct Args {
-    /// What else there is to do.
+    /// The other commands.
     #[command(subcommand)]
     other: Option<Other>,
-    /// How long, minutes.
+    /// The duration, minutes.
     #[arg(long, default_value_t = 1.0)]
     minutes: f64,
-    /// Chooses the mutations; with 0 the seeds themselves come first.
+    /// The seed of the mutations; with 0 the seed files themselves come first.
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Only these readers.
     #[arg(long, value_name = "NAME")]
     target: Vec<String>,
-    /// The folder for files that were not survived.
+    /// The folder for the files of findings.
     #[arg(long, value_name = "DIR", default_value = "target/fuzz-findings")]
     keep: PathBuf,
-    /// Be the worker for this reader.
+    /// Run as the worker for this reader.
     #[arg(long, hide = true)]
     worker: Option<String>,
     /// The first case of the worker.
@@ -108,8 +108,8 @@ fn main() -> io::Result<ExitCode> {
     Ok(if findings == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Lets a worker read from case `next` on, which is moved behind the last one; whether something was
-/// found.
+/// Lets a worker read from case `next` on, and moves `next` behind its last case; returns whether
+/// there was a finding.
 fn turn(args: &Args, target: &Target, next: &mut u64) -> io::Result<bool> {
     let mut running = Command::new(std::env::current_exe()?)
         .args(["--worker", target.name, "--seed", &args.seed.to_string()])
@@ -165,7 +165,7 @@ fn turn(args: &Args, target: &Target, next: &mut u64) -> io::Result<bool> {
     Ok(true)
 }
 
-/// What is said on `stderr`, warnings left out, which may be many. It need not be text.
+/// The output on `stderr` without warnings, of which there may be many. It need not be text.
 fn told(stderr: impl Read) -> String {
     let lines = BufReader::new(stderr).split(b'\n').map_while(Result::ok);
     let lines = lines.map(|line| String::from_utf8_lossy(&line).into_owned());

@@ -1,9 +1,9 @@
-//! A file changed: bytes anywhere; words of texts; nodes of JSON and TOML, which stay well-formed.
+//! Mutates a file: bytes anywhere; words of texts; nodes of JSON and TOML, which stay well-formed.
 
 use crate::random::Random;
 use serde_json::{Value, json};
 
-/// Whole numbers at which readers go wrong.
+/// Whole numbers that are likely to cause faults.
 const WHOLE: [u64; 14] = [
     0,
     1,
@@ -20,7 +20,7 @@ const WHOLE: [u64; 14] = [
     (1 << 63) - 1,
     u64::MAX,
 ];
-/// Words at which readers go wrong.
+/// Words that are likely to cause faults.
 const WORDS: [&str; 18] = [
     "0",
     "-1",
@@ -44,7 +44,7 @@ const WORDS: [&str; 18] = [
 /// Files grow to this many bytes at most.
 const LARGEST: usize = 1 << 16;
 
-/// What a file is made of.
+/// The structure of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// Bytes.
@@ -59,7 +59,7 @@ pub(crate) enum Kind {
     Toml,
 }
 
-/// `seed` changed in one to eight places; `other` is a file to take pieces from.
+/// `seed` changed in one to eight places; pieces may be taken from the file `other`.
 pub(crate) fn mutated(seed: &[u8], other: &[u8], kind: Kind, random: &mut Random) -> Vec<u8> {
     let mut bytes = seed.to_vec();
     for _ in 0..=random.below(8) {
@@ -144,7 +144,7 @@ fn json_text(seed: &[u8], random: &mut Random) -> Option<Vec<u8>> {
 
 fn json_node(root: &mut Value, random: &mut Random) {
     let mut node = root;
-    // Down some way, and there change what is found.
+    // Goes down some levels, and changes the node there.
     for _ in 0..random.below(8) {
         let go_on = match &*node {
             Value::Array(items) => !items.is_empty(),

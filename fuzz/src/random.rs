@@ -1,4 +1,4 @@
-//! Numbers that a seed gives again: SplitMix64 [Steele, Lea and Flood, "Fast Splittable Pseudorandom
+//! Reproducible random numbers: SplitMix64 [Steele, Lea and Flood, "Fast Splittable Pseudorandom
 //! Number Generators", OOPSLA 2014].
 
 /// A sequence of numbers.

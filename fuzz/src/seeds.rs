@@ -1,4 +1,5 @@
-//! Small files of every kind: written here, kept in `fuzz/seeds`, and the findings of earlier searches.
+//! The seed files: small files of every kind, written here or kept in `fuzz/seeds`, and the findings of
+//! earlier searches.
 
 use glam::{Vec2, Vec3};
 use std::fs;
@@ -152,7 +153,7 @@ fn fspy() -> Vec<u8> {
     [head, state.as_bytes().to_vec()].concat()
 }
 
-/// A file of one image, as COLMAP writes it: pose, camera, name, and a point.
+/// A file with one image, as COLMAP writes it: pose, camera, name, and a point.
 fn colmap_images() -> Vec<u8> {
     let mut bytes = 1u64.to_le_bytes().to_vec();
     bytes.extend(1i32.to_le_bytes());

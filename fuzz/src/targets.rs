@@ -1,4 +1,4 @@
-//! The readers, each with how its files are changed.
+//! The readers, each with the structure of its files.
 
 use crate::mutate::Kind;
 use std::fs;
@@ -16,7 +16,7 @@ use unrender::listener::Console;
 use unrender::run::Run;
 use unrender::scene::{Group, Material, Rgb, Scene};
 
-/// What inputs may take of memory here, bytes; [`crate::worker`] allows the process more for itself.
+/// The memory limit for inputs, bytes; [`crate::worker`] allows the process more for itself.
 pub(crate) const MEMORY: u64 = 256 << 20;
 
 /// The flags of commands that are run here.
@@ -34,7 +34,7 @@ fn global() -> Global {
 /// A reader.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Target {
-    /// What it is called on the command line; the extension of its files.
+    /// Its name on the command line, and the extension of its files.
     pub(crate) name: &'static str,
     /// How its files are changed.
     pub(crate) kind: Kind,
@@ -75,7 +75,7 @@ fn input(path: &Path) -> Input<'_> {
 }
 
 fn scene(path: &Path) {
-    // Nothing of what is said matters here: only that it is said.
+    // The messages do not matter here, only that it returns.
     if let Ok((scene, _)) = load_scene(input(path)) {
         let _ = assign_materials(input(path), &scene);
     } else {
@@ -120,7 +120,7 @@ fn part(path: &Path) {
 }
 
 fn material_file(path: &Path) {
-    // A scene that has the groups of the file, as far as it can be read.
+    // A scene with the groups of the file, if it can be read.
     let mut scene = Scene::default();
     for name in materials::read(input(path)).iter().flat_map(|file| file.groups.keys()) {
         let material = Material::diffuse(Rgb::ONE);
@@ -181,7 +181,7 @@ fn calibration(path: &Path) {
     }
 }
 
-/// The same bytes as the file of cameras and as that of images.
+/// Reads the same bytes as the file of cameras and as that of images.
 fn reconstruction(path: &Path) {
     for extension in ["txt", "bin"] {
         let file = path.with_extension(extension);

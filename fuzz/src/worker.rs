@@ -1,5 +1,5 @@
-//! The process that reads mutated files, one after the other. It says the number of each before it
-//! begins, so that whoever watches knows which one it did not survive.
+//! The process that reads mutated files, one after the other. It prints the number of each before
+//! it reads it, so that the watching process knows which one killed it.
 
 use crate::mutate::mutated;
 use crate::random::Random;
@@ -9,17 +9,17 @@ use std::fs;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-/// What the process may take of memory, bytes: what inputs may, once more for what is made of them, and
-/// what the program and its threads take of addresses. With half of it, honest files fail; with double, a
-/// reader that allocates four times what inputs may is not found.
+/// The memory limit of the process, bytes: that of inputs twice, the second time for the data made from
+/// them, and the address space of the program and its threads. With half of it, valid files fail; with
+/// double, a reader that allocates four times the limit of inputs is not found.
 #[cfg(unix)]
 const MEMORY: u64 = 2 * crate::targets::MEMORY + (512 << 20);
 
-/// What a file may take of processor time, seconds. The slowest honest one of 64 KiB takes one; with half of
+/// The limit of processor time for a file, seconds. The slowest valid one of 64 KiB takes one; with half of
 /// it nothing changes, with double, a reader that is twice as slow is not found.
 pub(crate) const SECONDS: u64 = 10;
 
-/// Ends this process, by SIGXCPU, if the next file takes more processor time than it may.
+/// Ends this process, by SIGXCPU, if the next file takes more processor time than [`SECONDS`].
 ///
 /// # Errors
 /// If there are no limits here.
@@ -45,7 +45,7 @@ pub(crate) fn case(target: &Target, seeds: &[Vec<u8>], seed: u64, index: u64) ->
     mutated(&one, &other, target.kind, &mut random)
 }
 
-/// A folder for the files, in memory where the system has such a place: a disk is ten times as slow.
+/// A folder for the files, in memory if the system has such a place: a disk is ten times slower.
 fn folder() -> std::io::Result<tempfile::TempDir> {
     tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir())
 }
@@ -53,13 +53,13 @@ fn folder() -> std::io::Result<tempfile::TempDir> {
 /// Reads cases from `first` on for `time`.
 ///
 /// # Errors
-/// If its folder cannot be written or nobody listens.
+/// If its folder or its output cannot be written.
 pub(crate) fn run(target: &Target, seed: u64, first: u64, time: Duration) -> std::io::Result<()> {
     #[cfg(unix)]
     nix::sys::resource::setrlimit(nix::sys::resource::Resource::RLIMIT_AS, MEMORY, MEMORY)?;
     let seeds = seeds::of(target.name);
     let folder = folder()?;
-    // What some seeds refer to.
+    // Files to which some seeds refer.
     for (name, of) in [("seed.png", "png"), ("seed.glb", "glb")] {
         fs::write(folder.path().join(name), &seeds::of(of)[0])?;
     }

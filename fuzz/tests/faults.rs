@@ -1,4 +1,4 @@
-//! A few faults at random moments of the commands that write; `faults --count 200` for many.
+//! Runs a few faults at random moments of the commands that write; `faults --count 200` runs many.
 #![cfg(unix)]
 
 use std::process::Command;

@@ -1,5 +1,5 @@
-//! Rasters and vertices as NumPy arrays, and back. Towards Python nothing is copied: the array owns the
-//! vector.
+//! Converts rasters and vertices to NumPy arrays, and back. Arrays for Python are not copied: the array
+//! owns the vector.
 
 use bytemuck::allocation::cast_vec;
 use glam::{Vec2, Vec3};
@@ -26,7 +26,7 @@ pub(crate) fn raster<T: Element>(
     image.into_pixels().into_pyarray(py).reshape(size)
 }
 
-/// Vectors as their coordinates, one behind the other.
+/// Vectors as their coordinates, one after the other.
 fn vectors(py: Python<'_>, vectors: Vec<Vec3>) -> Bound<'_, PyArray1<f32>> {
     cast_vec::<Vec3, [f32; 3]>(vectors).into_flattened().into_pyarray(py)
 }
@@ -63,7 +63,7 @@ pub(crate) fn image(array: &PyReadonlyArray3<'_, f32>) -> PyResult<RgbImage> {
     Ok(Image::new(width, height, pixels.iter().map(|rgb| Rgb::from_array(*rgb)).collect()))
 }
 
-/// The rows of `N` values in an array (M, N); `name` says which array that is.
+/// The rows of `N` values in an array (M, N); `name` is the array's name in errors.
 pub(crate) fn rows<T: Element + Copy, const N: usize>(
     array: &PyReadonlyArray2<'_, T>,
     name: &str,

@@ -1,4 +1,4 @@
-//! Commands as a whole: as functions with the words of a command line, as the program itself, and as
+//! Whole commands: as functions with the arguments of a command line, as the program itself, and as
 //! data.
 
 use crate::error::request;
@@ -11,8 +11,8 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 use unrender::cli;
 
-/// Runs the command line `words`, without the program's name. What it printed, and whether it ended as
-/// it should. A `scene` takes the place of the file that the words name as theirs.
+/// Runs the command line `words`, without the program's name. Returns its output, and whether it
+/// succeeded. A `scene` replaces the scene file that the words name.
 #[pyfunction]
 #[pyo3(signature = (words, control, scene=None))]
 pub(crate) fn call(
@@ -27,12 +27,12 @@ pub(crate) fn call(
     Ok((ended.heard.text, succeeded, ended.signalled))
 }
 
-/// Runs the command line `words`, the first of which is the program's name, as the program does; its
-/// exit code. Signals are the program's from then on.
+/// Runs the command line `words`, the first of which is the program's name, as the program does;
+/// returns its exit code. From then on the program handles signals.
 #[pyfunction]
 pub(crate) fn main(py: Python<'_>, words: Vec<OsString>) -> u8 {
     let code = py.detach(|| cli::run_from(words));
-    // An exit code cannot be asked for its number.
+    // An exit code does not give its number.
     (0..=u8::MAX).find(|number| ExitCode::from(*number) == code).unwrap_or(1)
 }
 

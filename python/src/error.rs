@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use std::path::Path;
 use unrender::Error;
 
-/// The exception that `error` is in Python.
+/// The Python exception for `error`.
 pub(crate) fn exception(py: Python<'_>, error: &Error) -> PyErr {
     let (kind, path) = match error {
         Error::File(file) => ("FileError", Some(file.path.as_path())),
@@ -23,9 +23,9 @@ pub(crate) fn request(problem: impl Into<String>) -> PyErr {
     Python::attach(|py| exception(py, &Error::Request(problem.into())))
 }
 
-/// What a panic of the library becomes: a fault of ours, and no end of the interpreter.
+/// The exception for a panic of the library: a fault of ours, which must not end the interpreter.
 pub(crate) fn internal() -> PyErr {
-    PyRuntimeError::new_err("unrender failed inside; please report what is printed above")
+    PyRuntimeError::new_err("unrender has a fault; please report the message above")
 }
 
 fn made(py: Python<'_>, kind: &str, message: &str, path: Option<&Path>) -> PyResult<PyErr> {

@@ -1,9 +1,9 @@
 //! The Python module `unrender._unrender`: the library's commands as functions.
 //!
-//! This is the thin half of the package. What a user types is in `python/unrender`, with its types and
-//! its docstrings; here is what that half cannot do: call the library without the interpreter's lock,
-//! hand arrays over, and pass on warnings, progress and Ctrl-C (`supervise`). Structured data goes
-//! through JSON, as in the files of the command.
+//! This is the thin half of the package. The user's functions are in `python/unrender`, with types and
+//! docstrings; this half does what that one cannot: it calls the library without the interpreter's
+//! lock, exchanges arrays, and passes on warnings, progress and Ctrl-C (`supervise`). Structured data
+//! goes through JSON, as in the files of the command.
 
 mod arrays;
 mod command;

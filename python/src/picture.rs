@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use unrender::Error;
 use unrender_formats::picture as files;
 
-/// The picture in a file as linear values (H, W, 3), and what is doubtful about it; integer files are
-/// taken as sRGB.
+/// The picture in a file as linear values (H, W, 3), and its warnings; integer files are taken as
+/// sRGB.
 #[pyfunction]
 pub(crate) fn read_picture(
     py: Python<'_>,
@@ -20,7 +20,7 @@ pub(crate) fn read_picture(
     Ok((picture(py, linear)?, told))
 }
 
-/// Writes linear values (H, W, 3) to a .exr, .hdr or .png file; how many were no finite numbers.
+/// Writes linear values (H, W, 3) to a .exr, .hdr or .png file; returns how many were not finite.
 #[pyfunction]
 pub(crate) fn write_picture(
     py: Python<'_>,

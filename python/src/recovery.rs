@@ -1,4 +1,4 @@
-//! `unrender recover` as a function that hands over what came out.
+//! The command `unrender recover` as a function that returns its results.
 
 use crate::arrays::{image, picture, raster};
 use crate::error::{exception, request};
@@ -22,7 +22,7 @@ use unrender::{Error, engine};
 use unrender_formats::materials::{GroupEntry, MaterialsFile};
 use unrender_formats::picture::{Depth, Picture};
 
-/// A recovery with the job that it was of.
+/// A recovery with its job.
 #[pyclass(module = "unrender._unrender", frozen)]
 pub(crate) struct Recovered {
     job: Job,
@@ -30,14 +30,14 @@ pub(crate) struct Recovered {
     global: Mutex<Global>,
 }
 
-/// A project in memory: its text, where it would lie, and what it has as arrays.
+/// A project in memory: its text, the path that it would have, and its arrays.
 #[derive(FromPyObject)]
 pub(crate) struct ProjectParts<'py> {
     path: PathBuf,
     text: String,
     scene: Option<Bound<'py, Scene>>,
     photo: Option<PyReadonlyArray3<'py, f32>>,
-    /// Bits of the integers that the photograph's codes were; zero for floating-point numbers.
+    /// Bits of the integers of the photograph's codes; zero for floating-point numbers.
     bits: u32,
     mask: Option<PyReadonlyArray3<'py, f32>>,
 }
@@ -69,7 +69,7 @@ impl ProjectParts<'_> {
     }
 }
 
-/// A picture as its file would have it: pixels that are no finite numbers do not count.
+/// A picture as from a file: pixels that are not finite are invalid.
 fn coded(image: &unrender::scene::RgbImage, depth: Depth) -> Picture {
     let pixels = image.pixels().iter().enumerate();
     let invalid = pixels.filter(|(_, rgb)| !rgb.is_finite()).map(|(index, _)| index).collect();
@@ -77,13 +77,13 @@ fn coded(image: &unrender::scene::RgbImage, depth: Depth) -> Picture {
     Picture { invalid, ..Picture::new(values, depth) }
 }
 
-/// What came out; if Ctrl-C was pressed and the work did not end in time, where it stood after the last
+/// The results; if Ctrl-C was pressed and the work did not end in time, the state after the last
 /// iteration, as JSON; and whether Ctrl-C was pressed.
 type Out = (Option<Recovered>, Option<String>, bool);
 
-/// Recovers by the command line `words` of `recover`; the `project` in memory, where that is given. What
-/// came out is written into the folder `out`, where that is given; the renderer's work is done by
-/// `workers` ([`crate::remote::Called`]).
+/// Recovers by the command line `words` of `recover`, from the `project` in memory if it is given. The
+/// results are written into the folder `out`, if it is given; `workers` do the renderer's work
+/// ([`crate::remote::Called`]).
 #[pyfunction]
 #[pyo3(signature = (words, project, out, control, workers))]
 pub(crate) fn recover(
@@ -143,14 +143,14 @@ fn worked(
     if let Some(out) = out {
         command::write(&job, &recovered, out, &global)?;
     }
-    // Nobody listens any more.
+    // The listener is gone.
     global.console = Console::default();
     global.quiet = true;
     Ok(Recovered { job, recovered, global: Mutex::new(global) })
 }
 
-/// Where a recovery stands after an iteration, as the text of a materials.json; `how` says whether it has
-/// ended.
+/// The state of a recovery after an iteration, as the text of a materials.json; `how` begins the sentence
+/// about its end.
 fn sketch(names: &[String], record: &IterationRecord, how: &str) -> serde_json::Result<String> {
     let termination = format!(
         "{how}after {} global re-renderings; the results are those after the last one",
@@ -179,7 +179,7 @@ impl Recovered {
         &self.recovered.recovery
     }
 
-    /// What `look` makes of one photograph alone, and of what was recovered as that shows it.
+    /// The result of `look` for one photograph and the recovery of that photograph.
     fn of<T>(
         &self,
         photograph: usize,
@@ -196,10 +196,10 @@ impl Recovered {
 
 #[pymethods]
 impl Recovered {
-    /// What came out as JSON: the text of materials.json, and beside it the records.
+    /// The results as JSON: the text of materials.json, and the records.
     fn document(&self) -> PyResult<String> {
         let recovery = self.recovery();
-        // As text, as in the file: values of JSON would have the digits of double precision.
+        // As text, as in the file: JSON values would have the digits of double precision.
         let materials = serde_json::to_string(&self.recovered.materials(&self.job))
             .map_err(|error| request(error.to_string()))?;
         let names: Vec<&str> = recovery.groups.iter().map(|group| group.name.as_str()).collect();
@@ -260,7 +260,7 @@ impl Recovered {
         raster(py, self.of(photograph, |_, of| of.group_map.map(number))?)
     }
 
-    /// Which pixels counted (H, W): 0 for those that did, else why not.
+    /// Which pixels were used (H, W): 0 for those that were, otherwise the reason why not.
     fn status_map<'py>(
         &self,
         py: Python<'py>,
@@ -283,7 +283,7 @@ impl Recovered {
         Ok(Some((picture(py, texture.image.clone())?, seen.transpose()?)))
     }
 
-    /// The names of the numbers that were refined, as JSON, and their covariance (N, N).
+    /// The names of the refined parameters, as JSON, and their covariance (N, N).
     #[allow(clippy::type_complexity)]
     fn covariance<'py>(
         &self,
@@ -297,7 +297,7 @@ impl Recovered {
         Ok(Some((Value::from(names).to_string(), raster(py, matrix)?)))
     }
 
-    /// The scene with what was recovered on it.
+    /// The scene with the recovered materials and lights.
     fn scene(&self) -> Scene {
         Scene::new(self.recovered.scene(&self.job))
     }
@@ -311,7 +311,7 @@ impl Recovered {
 }
 
 impl Recovered {
-    /// What each number of `covariance` is, and what makes its unit that of materials.json.
+    /// The name of each parameter of `covariance`, and the factor to its unit in materials.json.
     fn named(&self, covariance: &Covariance) -> Vec<(Value, f64)> {
         let groups = &self.recovery().groups;
         let scene = &self.job.scene;

@@ -1,13 +1,13 @@
-//! A recovery over several machines: workers are objects of Python, which send the bytes and know who is
-//! there; here is what they carry between.
+//! A recovery over several machines: Python objects send the bytes and know the workers; this is the
+//! interface between them and the library.
 
 use crate::error::request;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyList};
 use unrender::remote::{self, Shared, Workers};
 
-/// Somebody in Python who has the methods `count()` and `answers(shared, requests)`: the shared data are
-/// pairs of a number and bytes; the answers a list of bytes, or None if nobody is there.
+/// A Python object with the methods `count()` and `answers(shared, requests)`: the shared data are pairs
+/// of a number and bytes, the answers a list of bytes, or None if there are no workers.
 pub(crate) struct Called {
     object: Py<PyAny>,
 }
@@ -44,13 +44,13 @@ impl Workers for Called {
     }
 }
 
-/// What an exception is that nobody is there to hear: printed, and no answer.
+/// Handles an exception that has no receiver: it is printed, and there is no answer.
 fn none<T: Default>(py: Python<'_>, error: &PyErr) -> T {
     error.clone_ref(py).write_unraisable(py, None);
     T::default()
 }
 
-/// A scene and a camera on a worker, made of the first of the shared data.
+/// A scene and a camera on a worker, made from the first of the shared data.
 #[pyclass(module = "unrender._unrender", frozen)]
 pub(crate) struct Worker {
     worker: remote::Worker,
@@ -64,7 +64,7 @@ impl Worker {
         worker.map(|worker| Self { worker }).map_err(|fault| request(fault.to_string()))
     }
 
-    /// The answer to a request under the second and the third of the shared data.
+    /// The answer to a request, with the second and the third of the shared data.
     fn answer<'py>(
         &self,
         py: Python<'py>,

@@ -1,4 +1,4 @@
-//! `unrender render` as a function that hands its picture over.
+//! The command `unrender render` as a function that returns its picture.
 
 use crate::arrays::picture;
 use crate::scene::{Materials, Scene};
@@ -10,12 +10,11 @@ use unrender::cli;
 use unrender::commands::render::{InMemory, picture as rendered};
 use unrender::scene as plain;
 
-/// The picture, its relative standard error, the numbers of its samples, and whether it was ended
-/// before its goal, and whether by Ctrl-C.
+/// The picture, its relative standard error, the range of its samples, whether it ended before its
+/// goal, and whether by Ctrl-C.
 type Rendered<'py> = (Option<Bound<'py, PyArray3<f32>>>, f64, (u32, u32), bool, bool);
 
-/// Renders by the command line `words` of `render`; of `scene` where that is given, and with
-/// `materials` on it.
+/// Renders by the command line `words` of `render`: the `scene`, if it is given, with `materials`.
 #[pyfunction]
 #[pyo3(signature = (words, scene, materials, control))]
 pub(crate) fn render<'py>(

@@ -1,4 +1,4 @@
-//! Scenes: from files, or from arrays and what belongs to them as JSON.
+//! Scenes: from files, or from arrays with their description as JSON.
 
 use crate::arrays::{image, picture, rows, rows2, rows3, triangles};
 use crate::error::{exception, request};
@@ -25,7 +25,7 @@ pub(crate) struct Scene {
     scene: Arc<plain::Scene>,
 }
 
-/// One mesh as arrays: positions, triangles, and if they are there normals and texture coordinates.
+/// One mesh as arrays: positions, triangles, and optional normals and texture coordinates.
 #[derive(FromPyObject)]
 pub(crate) struct MeshArrays<'py> {
     positions: PyReadonlyArray2<'py, f32>,
@@ -34,7 +34,7 @@ pub(crate) struct MeshArrays<'py> {
     uvs: Option<PyReadonlyArray2<'py, f32>>,
 }
 
-/// The arrays of a mesh on the way to Python, in the order of [`MeshArrays`].
+/// The arrays of a mesh for Python, in the order of [`MeshArrays`].
 type MeshOut<'py> = (
     Bound<'py, PyArray2<f32>>,
     Bound<'py, PyArray2<u32>>,
@@ -58,7 +58,7 @@ impl Scene {
 
 #[pymethods]
 impl Scene {
-    /// Reads a scene file; the scene and what is doubtful about it.
+    /// Reads a scene file; returns the scene and its warnings.
     #[staticmethod]
     fn read(
         py: Python<'_>,
@@ -74,8 +74,8 @@ impl Scene {
         Ok((Self::new(scene), warnings.0))
     }
 
-    /// A scene of arrays: `json` has the objects, groups, lights, cameras and the environment,
-    /// `meshes` the arrays of the objects in their order. Its warnings are doubts about it.
+    /// A scene from arrays: `json` has the objects, groups, lights, cameras and the environment,
+    /// `meshes` the arrays of the objects in their order. Returns its warnings too.
     #[staticmethod]
     fn build(
         py: Python<'_>,
@@ -94,7 +94,7 @@ impl Scene {
         Ok((Self::new(scene), warnings.0))
     }
 
-    /// All but the arrays, as JSON.
+    /// Everything except the arrays, as JSON.
     fn describe(&self) -> String {
         let scene = self.plain();
         let group = |group: &Group| {
@@ -145,7 +145,7 @@ impl Scene {
         texture.map(|texture| picture(py, texture.image.clone())).transpose()
     }
 
-    /// The same scene with `materials` on it, and what is doubtful about that.
+    /// The same scene with `materials`, and the warnings.
     fn with_materials(
         &self,
         py: Python<'_>,
@@ -157,7 +157,7 @@ impl Scene {
         Ok((Self::new(scene), warnings.0))
     }
 
-    /// The same scene with one camera more, which replaces one of its name.
+    /// The same scene with a further camera, which replaces one of its name.
     fn with_camera(&self, json: &str) -> PyResult<Self> {
         let value: Value = serde_json::from_str(json).map_err(|e| request(e.to_string()))?;
         let mut scene = self.plain().clone();
@@ -167,7 +167,7 @@ impl Scene {
         Ok(Self::new(scene))
     }
 
-    /// The panorama about the scene, radiance (H, W, 3), and how far it is turned about +y, degrees.
+    /// The scene's panorama, radiance (H, W, 3), and its rotation about +y, degrees.
     fn environment<'py>(
         &self,
         py: Python<'py>,
@@ -180,7 +180,7 @@ impl Scene {
         around.map(given).transpose()
     }
 
-    /// All of the scene, for a process with the same build.
+    /// The bytes of the scene, for a process with the same build.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let bytes = py.detach(|| postcard::to_stdvec(self.plain()));
         bytes.map(|b| PyBytes::new(py, &b)).map_err(|error| request(format!("the scene: {error}")))
@@ -197,7 +197,7 @@ impl Scene {
         };
         let scene = py.detach(read);
         scene.map(Self::new).map_err(|problem| {
-            request(format!("these are no bytes of a scene by the same build: {problem}"))
+            request(format!("these are not the bytes of a scene from the same build: {problem}"))
         })
     }
 
@@ -211,8 +211,8 @@ impl Scene {
     }
 }
 
-/// What is put onto a scene: the text of a `materials.json`, the folder that its texture paths start
-/// from, and textures by the names of their groups.
+/// Materials for a scene: the text of a `materials.json`, the folder of its relative texture paths,
+/// and textures by the names of their groups.
 #[derive(FromPyObject)]
 pub(crate) struct Materials<'py> {
     json: String,
@@ -228,7 +228,7 @@ pub(crate) struct PlainMaterials {
 }
 
 impl Materials<'_> {
-    /// The numbers and pictures.
+    /// Reads the parameters and textures.
     pub(crate) fn read(&self) -> PyResult<PlainMaterials> {
         let file = serde_json::from_str(&self.json)
             .map_err(|error| request(format!("the materials: {error}")))?;
@@ -399,7 +399,8 @@ fn light_out(light: &Light, scene: &plain::Scene) -> Value {
     value
 }
 
-/// A camera in `scene`, of its pose (12 numbers, column by column), or of where it stands and looks.
+/// A camera in `scene`, from its pose (12 numbers, column by column), or from its eye, target and
+/// up.
 fn camera_in(camera: &Value, scene: &plain::Scene) -> PyResult<Camera> {
     let fov_y_rad = number(camera, "fov_y_deg")?.to_radians();
     let here = |key: &str| place(camera, key).map(|place| scene.here(place));
@@ -416,7 +417,7 @@ fn camera_in(camera: &Value, scene: &plain::Scene) -> PyResult<Camera> {
         made.world_from_camera.translation = eye.into();
     }
     if !made.world_from_camera.is_finite() {
-        return Err(request("the camera's eye, target and up leave its direction open"));
+        return Err(request("the camera's eye, target and up do not determine its direction"));
     }
     made.aspect = camera["aspect"].as_f64().map(|aspect| aspect as f32);
     let point = camera["principal_point"].as_array().cloned().unwrap_or_default();

@@ -1,5 +1,5 @@
-//! Work on a thread of its own, while the caller's thread hears of it, lets Python's signals through
-//! and may ask for an end. The interpreter's lock is free meanwhile.
+//! Runs work on its own thread, while the caller's thread receives its messages, handles Python's
+//! signals and may request an end. The interpreter's lock is free meanwhile.
 
 use crate::error;
 use pyo3::exceptions::PyKeyboardInterrupt;
@@ -13,17 +13,17 @@ use unrender::Error;
 use unrender::listener::Listener;
 use unrender::recover::IterationRecord;
 
-/// How often Python's signals are looked at. Twice of it would be felt after Ctrl-C; half of it takes
-/// the interpreter's lock more often than anybody notices.
+/// The interval between two checks of Python's signals. Double of it would be noticeable after
+/// Ctrl-C; half of it takes the interpreter's lock more often without a benefit.
 const TICK: Duration = Duration::from_millis(50);
-/// How long after Ctrl-C the work may take to end by itself with all of its results; after that, what
-/// was known by the last iteration is handed out. With double of it, the end would be later than a
-/// second; with half of it, more recoveries would be handed out without their last picture.
+/// The time after Ctrl-C in which the work may end by itself with all of its results; after that, the
+/// state of the last iteration is returned. With double of it, the end would be later than a second;
+/// with half of it, more recoveries would be returned without their last picture.
 const GRACE: Duration = Duration::from_millis(700);
-/// The stack of the thread, bytes: as much as a main thread has.
+/// The stack of the thread, bytes: the same as that of a main thread.
 const STACK: usize = 8 << 20;
 
-/// Asks for an end of the work that it was given to, from any thread.
+/// Requests the end of the work to which it was passed, from any thread.
 #[pyclass(module = "unrender._unrender", frozen)]
 #[derive(Default)]
 pub(crate) struct Token {
@@ -37,35 +37,35 @@ impl Token {
         Self::default()
     }
 
-    /// Asks for an end.
+    /// Requests the end.
     fn cancel(&self) {
         self.cancelled.store(true, Ordering::SeqCst);
     }
 
-    /// Whether somebody has asked for an end.
+    /// Whether the end was requested.
     #[getter]
     fn cancelled(&self) -> bool {
         self.cancelled.load(Ordering::SeqCst)
     }
 }
 
-/// What the work has to say.
+/// A message of the work.
 enum Event {
     Warning(String),
     Progress(Option<String>, f64),
     Iteration(Box<IterationRecord>),
 }
 
-/// What is known of the work besides its result.
+/// The messages of the work.
 #[derive(Default)]
 pub(crate) struct Heard {
-    /// What the command printed on standard output.
+    /// The command's standard output.
     pub(crate) text: String,
     /// The last iteration of a recovery.
     pub(crate) last: Option<IterationRecord>,
 }
 
-/// Listens on the side of the work.
+/// The listener on the side of the work.
 struct Ear {
     events: Mutex<Sender<Event>>,
     heard: Arc<Mutex<Heard>>,
@@ -75,7 +75,7 @@ struct Ear {
 
 impl Ear {
     fn send(&self, event: Event) {
-        // Nobody may be waiting any more.
+        // The receiver may be gone.
         let _ = self.events.lock().unwrap_or_else(PoisonError::into_inner).send(event);
     }
 }
@@ -107,28 +107,28 @@ fn locked<T>(of: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     of.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// How work came to its end.
+/// The end of the work.
 pub(crate) struct Ended<T> {
     /// Its result; none if Ctrl-C was pressed and the work did not end within [`GRACE`].
     pub(crate) result: Option<T>,
-    /// What it said.
+    /// Its messages.
     pub(crate) heard: Heard,
     /// Whether Ctrl-C was pressed.
     pub(crate) signalled: bool,
 }
 
-/// What the caller wants of the work besides its result.
+/// The caller's control of the work.
 #[derive(FromPyObject)]
 pub(crate) struct Control<'py> {
     /// A [`Token`], or none.
     token: Option<Bound<'py, Token>>,
     /// Has the methods `warning(text)`, `progress(message, done)` and `iteration(text)`.
     handler: Bound<'py, PyAny>,
-    /// How many threads may work; none means one a core.
+    /// The number of threads; none means one per core.
     threads: Option<usize>,
 }
 
-/// Does `work` on a thread of its own and waits for it.
+/// Runs `work` on its own thread and waits for it.
 pub(crate) fn supervise<T: Send + 'static>(
     py: Python<'_>,
     control: &Control<'_>,
@@ -137,7 +137,7 @@ pub(crate) fn supervise<T: Send + 'static>(
     supervise_recovery(py, control, &|_| None, work)
 }
 
-/// As [`supervise`]; of iterations, `describe` says what the handler hears.
+/// As [`supervise`]; `describe` gives the text of an iteration for the handler.
 pub(crate) fn supervise_recovery<T: Send + 'static>(
     py: Python<'_>,
     control: &Control<'_>,
@@ -155,11 +155,12 @@ pub(crate) fn supervise_recovery<T: Send + 'static>(
     };
     let threads = control.threads;
     let (hand_over, handed) = channel();
-    // Its end is waited for without the interpreter's lock, which wants what threads may share.
+    // The wait for its end is without the interpreter's lock, which needs values that threads may
+    // share.
     let handed = Mutex::new(handed);
     let on_threads = move || {
         let result = with_threads(threads, || work(Arc::new(ear)));
-        // Nobody may be waiting any more.
+        // The receiver may be gone.
         let _ = hand_over.send(result);
     };
     thread::Builder::new().stack_size(STACK).spawn(on_threads)?;
@@ -189,18 +190,18 @@ pub(crate) fn supervise_recovery<T: Send + 'static>(
 /// The side of the caller.
 struct Watch<'a, 'py> {
     control: &'a Control<'py>,
-    /// What the handler hears of an iteration.
+    /// The text of an iteration for the handler.
     describe: &'a dyn Fn(&IterationRecord) -> Option<String>,
     events: Receiver<Event>,
     signal: Arc<AtomicBool>,
-    /// When Ctrl-C was pressed.
+    /// The time when Ctrl-C was pressed.
     signalled: Option<Instant>,
-    /// What a callback of the caller has raised; it ends the work, as Ctrl-C does.
+    /// An exception from a callback of the caller; it ends the work, as Ctrl-C does.
     failed: Option<PyErr>,
 }
 
 impl Watch<'_, '_> {
-    /// Tells the caller's handler what there was; of progress and iterations only the latest.
+    /// Passes the messages to the caller's handler; only the latest progress and iteration.
     fn pass_on(&mut self) {
         let mut latest: Option<(Option<String>, f64)> = None;
         let mut iteration = None;
@@ -233,7 +234,7 @@ impl Watch<'_, '_> {
         self.fail(told);
     }
 
-    /// What a callback has raised ends the work.
+    /// An exception from a callback ends the work.
     fn fail(&mut self, told: PyResult<Bound<'_, PyAny>>) {
         if let Err(raised) = told {
             self.end_by(raised);
@@ -241,7 +242,7 @@ impl Watch<'_, '_> {
     }
 
     /// Ends the work: by Ctrl-C, which may come in the middle of a callback too, or by an exception of
-    /// the caller's own.
+    /// the caller's code.
     fn end_by(&mut self, raised: PyErr) {
         self.stop();
         let py = self.control.handler.py();

@@ -1,11 +1,11 @@
-"""One recovery over the workers of Dask, measured: the same bits, with workers killed, and what it costs.
+"""Measures one recovery over the workers of Dask: the same bits, also with killed workers, and the cost.
 
     python python/tests/cluster.py [PROJECT.toml] [--runs 50] [--spp 2] [--pairs 3]
 
-takes a room of 32 x 32 pixels where no project is given. It prints SHA-256 of what one process finds, of what
-one, two and three workers find, and of ``--runs`` runs with workers killed at random; then the time of one
-process and of one, two and three workers, ``--pairs`` times in turn, with the requests and bytes of a recovery.
-Workers are processes of this machine with the threads that the one process has.
+uses a room of 32 x 32 pixels if no project is given. It prints the SHA-256 of the results of one process, of
+one, two and three workers, and of ``--runs`` runs with workers killed at random; then the time of one process
+and of one, two and three workers, ``--pairs`` times in turn, with the requests and bytes of a recovery. Workers
+are processes of this machine with as many threads as the one process.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-# A worker that is started again is a copy of a process that has imported all, and there at once.
+# A restarted worker is a copy of a process that has imported everything, and is ready at once.
 os.environ.setdefault("DASK_DISTRIBUTED__WORKER__MULTIPROCESSING_METHOD", "forkserver")
 
 import numpy as np
@@ -38,7 +38,7 @@ distributed: Any = pytest.importorskip("distributed")
 
 
 def room() -> unrender.Project:
-    """A floor with a gloss, a wall and a lamp, and their photograph of 32 x 32 pixels."""
+    """A glossy floor, a wall and a lamp, and their photograph of 32 x 32 pixels."""
     square, faces = np.array([[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]]), [[0, 1, 2], [0, 2, 3]]
     wall = np.array([[-1, 0, -1], [1, 0, -1], [1, 2, -1], [-1, 2, -1]])
     meshes = [
@@ -58,7 +58,7 @@ def room() -> unrender.Project:
 
 
 def sha256(recovery: unrender.Recovery) -> str:
-    """Of all numbers and the picture; the time that it took left out."""
+    """The digest of all values and the picture, without the time."""
     document = {**recovery.materials.document, "seconds": None}
     found = hashlib.sha256(json.dumps(document, sort_keys=True).encode())
     found.update(np.ascontiguousarray(recovery.rerendered).tobytes())
@@ -77,7 +77,7 @@ def cluster(workers: int) -> Any:
 
 
 class Killer(threading.Thread):
-    """Kills a worker now and then, at random; one time in five the last one, too."""
+    """Kills workers at random times; one time in five the last one, too."""
 
     def __init__(self, made: Any, seed: int, pause: float) -> None:
         super().__init__(daemon=True)
@@ -88,7 +88,7 @@ class Killer(threading.Thread):
     def run(self) -> None:
         while not self.over.wait(self._random.uniform(0.0, 2.0 * self._pause)):
             pids = [worker.pid for worker in list(self._made.workers.values()) if worker.pid]
-            # Processes that are starting again are no workers yet.
+            # Processes that are restarting are not workers yet.
             there = len(self._made.scheduler.workers)
             if pids and there > (0 if self._random.random() < 0.2 else 1):
                 try:
@@ -110,7 +110,7 @@ def same_bits(
     pause: float,
     workers: list[int],
 ) -> None:
-    """Of one process, of one, two and three workers, and with workers killed."""
+    """The digests of one process, of one, two and three workers, and with workers killed."""
     alone = sha256(unrender.recover(project, **options))
     print(f"one process:     {alone}")
     for count in workers:
@@ -133,11 +133,11 @@ def same_bits(
             so_far = ", ".join(f"{number} x {name[:12]}" for name, number in found.items())
             print(f"{run + 1} runs, {killed} workers killed, {seconds:.0f} s: {so_far}", flush=True)
     print(f"{runs} runs, {killed} workers killed: {dict(found)}", "all the same" if set(found) <= {alone} else "OTHER")
-    print(f"runs that went on without workers: {without}")
+    print(f"runs that continued without workers: {without}")
 
 
 def cpu(pids: list[int]) -> float:
-    """Processor seconds of these processes, which a busy machine changes less than those on the clock."""
+    """Processor seconds of these processes, which a busy machine changes less than clock time."""
     ticks = 0
     for pid in pids:
         fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
@@ -146,7 +146,7 @@ def cpu(pids: list[int]) -> float:
 
 
 def overhead(project: Path | unrender.Project, options: dict[str, Any], pairs: int, workers: list[int]) -> None:
-    """Of so many workers, against one process, in turn."""
+    """The overhead of ``count`` workers against one process, in turn."""
     for count in workers:
         ratios, shares = [], []
         with cluster(count) as made, distributed.Client(made) as client:
@@ -166,7 +166,7 @@ def overhead(project: Path | unrender.Project, options: dict[str, Any], pairs: i
                 print(
                     f"clock: one process {alone:.2f} s, {count} worker(s) {there:.2f} s, {ratios[-1]:+.1%}; "
                     f"processor: {busy:.2f} s, {worked:.2f} s, {shares[-1]:+.1%}; {asked.requests} requests, "
-                    f"{asked.sent / 1e6:.1f} MB there, {asked.received / 1e6:.1f} MB back",
+                    f"{asked.sent / 1e6:.1f} MB sent, {asked.received / 1e6:.1f} MB received",
                     flush=True,
                 )
         medians = f"clock {statistics.median(ratios):+.1%}, processor {statistics.median(shares):+.1%}"

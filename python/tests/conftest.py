@@ -1,4 +1,4 @@
-"""What the tests share: the repository's examples, and the command that Cargo built."""
+"""Fixtures of the tests: the repository's examples, and the command that Cargo built."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Command = Callable[..., str]
 
 @pytest.fixture(scope="session", autouse=True)
 def _interrupts() -> None:
-    """Ctrl-C as in a terminal: a shell's jobs in the background ignore it, and what they start does too."""
+    """Enables Ctrl-C as in a terminal: background jobs of a shell and their children ignore it."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -35,7 +35,7 @@ def fig8() -> Path:
 
 @pytest.fixture(scope="session")
 def command() -> Command:
-    """Runs the command that Cargo built, not the one in the package: what it printed."""
+    """Runs the command that Cargo built, not the one in the package; returns its output."""
     places = [ROOT / "target" / profile / "unrender" for profile in ("release", "debug")]
     built = [path for path in places if path.is_file()]
     named = os.environ.get("UNRENDER_BINARY")

@@ -1,4 +1,4 @@
-"""Pictures and materials have the bits of the command."""
+"""Tests that pictures and materials equal those of the command to the bit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pictures and recoveries over the workers of Dask, to the bits of one process."""
+"""Pictures and recoveries over the workers of Dask equal those of one process to the bit."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def project() -> unrender.Project:
 
 @pytest.fixture(scope="module")
 def alone(project: unrender.Project) -> str:
-    """What one process finds."""
+    """The recovery by one process."""
     return sha256(unrender.recover(project, **OPTIONS))
 
 
@@ -143,7 +143,7 @@ def test_a_recovery_goes_on_by_itself_when_its_cluster_is_gone(
             warnings.simplefilter("always")
             there = unrender.dask.recover(project, client=client, progress=heard, **OPTIONS)
     assert sha256(there) == alone
-    assert any("goes on without its workers" in str(warning.message) for warning in told)
+    assert any("continues without its workers" in str(warning.message) for warning in told)
 
 
 def test_a_worker_with_another_build_is_refused(

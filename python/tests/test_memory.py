@@ -1,4 +1,4 @@
-"""Scenes, projects, materials and arrays in the place of files, in every verb: to the bit what files give."""
+"""Scenes, projects, materials and arrays in memory give the same as files, to the bit, in every verb."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_scenes_are_copied_and_sent_to_the_bit(corpus: Path) -> None:
     read = unrender.Scene.read(corpus / "isotropic" / "scene.glb")
     assert pickle.loads(pickle.dumps(read)).path == read.path
     state = read.__getstate__()
-    with pytest.raises(unrender.RequestError, match="no bytes of a scene"):
+    with pytest.raises(unrender.RequestError, match="not the bytes of a scene"):
         read.__setstate__({**state, "bytes": state["bytes"][:100]})
 
 
@@ -83,7 +83,7 @@ def test_restage_takes_objects(tmp_path: Path) -> None:
     assert list(objects) == list(files)
     for name, picture in objects.items():
         np.testing.assert_array_equal(picture, files[name])
-    # The sky of a scene in memory is seen, though a .glb file has no words for it.
+    # The sky of a scene in memory is seen, though a .glb file cannot contain it.
     under_sky = next(iter(unrender.restage(scene=lit_room(), **size).pictures.values()))
     assert under_sky[0, 0, 2] >= 0.8
     with pytest.raises(unrender.RequestError, match=r"Scene\.read"):
@@ -100,7 +100,7 @@ def test_a_project_in_memory_is_restaged(tmp_path: Path) -> None:
     assert made.folder == tmp_path / "new"
     picture = made.pictures["composite"]
     assert picture.shape == photo.shape
-    # What was behind the wall: the sky.
+    # The sky, which was behind the wall.
     np.testing.assert_allclose(picture[2, 12], (0.2, 0.4, 0.8), rtol=0.2)
 
 
@@ -132,7 +132,7 @@ def test_calibrate_takes_arrays_and_makes_projects(tmp_path: Path) -> None:
     assert again.camera == found.camera
     read = unrender.Project.read(out)
     assert read.document["camera"]["fov_y_deg"] == pytest.approx(40, abs=0.2)
-    # The scene's sky went along.
+    # The project contains the scene's sky.
     whole = unrender.Project(scene, photo, camera=found.camera)
     first, second = (unrender.render(project=p, spp=1) for p in (read, whole))
     np.testing.assert_array_equal(first, second)
@@ -172,7 +172,7 @@ def test_what_is_no_number_does_not_count_in_files_either(tmp_path: Path) -> Non
         for recovery in (unrender.recover(project, **options), unrender.recover(file, **options)):
             assert not recovery.valid[3:9, 4:12].any()
             assert recovery.valid[:, 12:].any()
-    # A mask in a file goes along, with its own greys.
+    # The mask of a file is kept, with its greys.
     grey = np.full((20, 24, 3), 0.3, np.float32)
     grey[:, 20:] = 1.0
     unrender.Picture(grey).save(tmp_path / "mask.png")

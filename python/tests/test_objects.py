@@ -1,4 +1,4 @@
-"""Scenes from arrays, projects in memory, and what a recovery hands over."""
+"""Scenes from arrays, projects in memory, and the results of a recovery."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_a_scene_of_arrays_is_there_and_back() -> None:
 
 
 def unaligned(values: list[list[float]], dtype: Any) -> NDArray[Any]:
-    """An array that begins at an odd byte, as one that came over a network may."""
+    """An array that begins at an odd byte, as an array from a network may."""
     array = np.asarray(values, dtype=dtype)
     apart = np.frombuffer(b"-" + array.tobytes(), dtype=dtype, offset=1).reshape(array.shape)
     assert not apart.flags.aligned
@@ -112,7 +112,7 @@ def test_a_project_in_memory_finds_its_materials(tmp_path: Path) -> None:
     # The same from files, to the bit.
     saved = unrender.recover(project.save(tmp_path / "room.toml"), spp=8)
     np.testing.assert_array_equal(recovery.rerendered, saved.rerendered)
-    # Results of a project in memory are written like others.
+    # Results of a project in memory can be written like others.
     recovery.save(tmp_path / "out")
     assert (tmp_path / "out" / "report.html").is_file()
     read = unrender.Recovery.read(tmp_path / "out")
@@ -154,7 +154,7 @@ def test_several_photographs_have_one_set_of_materials(tmp_path: Path) -> None:
     assert unrender.render(project=project, photo=2, spp=2).shape == (21, 24, 3)
     with pytest.raises(unrender.RequestError, match="no photograph 2"):
         recovery.of(2)
-    # The files of a project that is saved elsewhere are found from there.
+    # A project that is saved elsewhere still finds its files.
     saved = project.save(tmp_path / "elsewhere" / "room.toml")
     assert len(unrender.check(saved).document["further"]) == 1
 

@@ -82,7 +82,8 @@ def test_memory_does_not_grow_over_a_hundred_recoveries() -> None:
         del recovery
         gc.collect()
         after.append(resident())
-    # What allocators keep settles in the first runs; a leak of a picture's size would add 12 kB a run.
+    # The memory of allocators settles in the first runs; a leak of a picture's size would add 12 kB
+    # per run.
     assert np.median(after[-10:]) - np.median(after[40:50]) < 0.5, after
 
 

@@ -1,4 +1,4 @@
-"""The verbs: their signatures are the flags of the command, and what they do is what it does."""
+"""The verbs: their signatures are the flags of the command, and their results are the same."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ VERBS: dict[str, Callable[..., object]] = {
     "score": unrender.score,
     "split": unrender.split,
 }
-# Functions answer with values instead of printing them.
-# `resume` goes on from what a killed process has left in a folder.
+# Functions return values instead of printing them.
+# `resume` continues from the files of a killed process in a folder.
 ONLY_COMMAND = {"json", "help", "version", "quiet", "resume"}
-# They are about the command itself; Python has unrender.dask in the place of `farm`.
+# They are about the command itself; Python has unrender.dask in place of `farm`.
 NO_VERBS = {"help", "completions", "farm", "man"}
 ONLY_PYTHON = {"progress", "cancel", "on_iteration"}
 GLOBAL = {"threads", "allow_outside", "input_memory"}

@@ -1,4 +1,4 @@
-"""``python -m unrender``, and the program ``unrender`` that the wheel installs: the command line."""
+"""The command line: ``python -m unrender``, and the program ``unrender`` that the wheel installs."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from . import _unrender
 
 
 def main() -> int:
-    """Runs the command line of this process; its exit code."""
+    """Runs the command line of this process; returns its exit code."""
     return _unrender.main(["unrender", *sys.argv[1:]])
 
 

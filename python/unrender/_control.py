@@ -1,4 +1,4 @@
-"""What all verbs share: flags from keyword arguments, progress, cancellation and warnings."""
+"""Shared code of all verbs: flags from keyword arguments, progress, cancellation and warnings."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ StrPath = str | os.PathLike[str]
 """A path of a file or folder."""
 
 Samples = tuple[int, int] | range
-"""The numbers A up to B, B not included."""
+"""The numbers from A to B, B not included."""
 
 
 class ProgressCallback(Protocol):
-    """Hears how far the work is; it is called from the thread that asked for the work."""
+    """Receives the progress of the work; it is called in the thread that started the work."""
 
     def __call__(self, done: float, message: str, /) -> object:
-        """``done`` is the share of the work that is done, 0 to 1; ``message`` what was done last."""
+        """``done`` is the share of the work that is done, 0 to 1; ``message`` the last step."""
 
 
 Progress = ProgressCallback | bool | None
@@ -36,7 +36,7 @@ CancelToken = _unrender.Token
 class Bar:
     """A progress bar of `tqdm <https://tqdm.github.io>`_: ``recover(..., progress=Bar())``.
 
-    Keyword arguments are those of ``tqdm.auto.tqdm``. Without tqdm, the same on one plain line.
+    Keyword arguments are those of ``tqdm.auto.tqdm``. Without tqdm, progress is on one plain line.
     """
 
     def __init__(self, **options: Any) -> None:
@@ -65,7 +65,7 @@ class Bar:
 
 
 class Control:
-    """What the work beneath hears and tells: token, threads, warnings, progress."""
+    """The connection to the work: token, threads, warnings, progress."""
 
     def __init__(
         self, progress: Progress, cancel: CancelToken | None, threads: int | None
@@ -80,22 +80,22 @@ class Control:
         self._callback = self._bar if progress is True else (progress or None)
 
     def warning(self, text: str) -> None:
-        """Tells a doubt of the work as a Python warning, at the caller's line."""
+        """Raises a warning of the work as a Python warning, at the caller's line."""
         warn(text)
 
     def progress(self, message: str | None, done: float) -> None:
-        """Passes on how far the work is."""
+        """Passes on the progress of the work."""
         self._message = message or self._message
         if self._callback is not None:
             self._callback(done, self._message)
 
     def iteration(self, text: str) -> None:
-        """Passes on where a recovery stands after an iteration, as JSON."""
+        """Passes on the state of a recovery after an iteration, as JSON."""
         if self.hear is not None:
             self.hear(text)
 
     def close(self) -> None:
-        """Ends the bar, if it is ours."""
+        """Ends the bar, if it was made here."""
         if self._bar is not None:
             self._bar.close()
 
@@ -156,7 +156,7 @@ def words(
 
 
 def text(value: object) -> str:
-    """A value as the command line writes it."""
+    """A value in the syntax of the command line."""
     if isinstance(value, range):
         return f"{value.start}..{value.stop}"
     if isinstance(value, tuple):

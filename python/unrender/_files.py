@@ -1,4 +1,4 @@
-"""What callers have in memory as files, for commands that read files."""
+"""Writes data in memory to files, for commands that read files."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ from .recovery import Recovery
 from .scene import Scene
 
 AnyMaterials = Materials | Recovery | Mapping[str, Any] | StrPath
-"""Materials as callers have them."""
+"""Materials in the forms that callers may pass."""
 
 
 def is_path(value: object) -> bool:
-    """Whether ``value`` is the path of a file or folder, and nothing in memory."""
+    """Whether ``value`` is the path of a file or folder, not data in memory."""
     return isinstance(value, (str, os.PathLike))
 
 
 @contextmanager
 def temporary() -> Generator[Path, None, None]:
-    """A folder that is removed again."""
+    """A temporary folder."""
     with tempfile.TemporaryDirectory(prefix="unrender-") as name:
         yield Path(name)
 
@@ -59,18 +59,18 @@ def results_folder(recovery: Recovery | StrPath | None) -> Generator[Path | None
 def given_scene(
     scene: Scene | StrPath | None, light_units: str | None
 ) -> tuple[StrPath | None, _unrender.Scene | None]:
-    """What stands in the command line for a scene, and the scene that is in memory."""
+    """The argument of the command line for a scene, and the scene, if it is in memory."""
     if not isinstance(scene, Scene):
         return scene, None
     if light_units is not None:
         raise RequestError(
-            "light_units are those of a file; say them to Scene.read, which has read this scene"
+            "light_units are those of a file; give them to Scene.read, which has read this scene"
         )
     return IN_MEMORY, scene._inner
 
 
 def materials_file(value: AnyMaterials | None, place: Path) -> Path | None:
-    """The path of materials, which are written to ``place`` if they lie in no file."""
+    """The path of materials, which are written to ``place`` if they are in memory."""
     if value is None:
         return None
     if isinstance(value, (str, os.PathLike)):

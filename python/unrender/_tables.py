@@ -1,4 +1,4 @@
-"""Tables of what came out: HTML for notebooks, pandas and xarray on request."""
+"""Tables of results: HTML for notebooks, pandas and xarray on request."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CHANNELS = ("red", "green", "blue")
 
 
 def frame(materials: Materials) -> pandas.DataFrame:
-    """A row a group, a column a number."""
+    """A row per group, a column per parameter."""
     import pandas
 
     rows = {name: row(entry) for name, entry in materials.items()}
@@ -32,7 +32,7 @@ def frame(materials: Materials) -> pandas.DataFrame:
 
 
 def row(entry: Mapping[str, Any]) -> dict[str, Any]:
-    """The numbers of a group, one by one."""
+    """The parameters of a group, one by one."""
     cells = {key: entry.get(key) for key in ("hypothesis", "status")}
     for prefix, numbers in (("", entry), ("std_", entry.get("std") or {})):
         for key in COLOURS:

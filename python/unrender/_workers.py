@@ -1,9 +1,10 @@
-"""One recovery over Dask's workers: what is sent, to whom, and what happens when a worker is lost.
+"""One recovery over Dask's workers: the messages, their receivers, and the handling of lost
+workers.
 
-Each worker gets a handler by a plugin, which Dask gives to workers that come later too. The driver sends
-requests straight to the workers' addresses, one after the other to each; the scheduler is asked for
-addresses alone, so that a request takes as long as one message there and one back. Nothing of a recovery
-lies on a worker that the driver could not send again, so any of them may die at any time.
+Each worker gets a handler by a plugin, which Dask also gives to workers that come later. The driver
+sends requests directly to the workers' addresses, one after the other to each; the scheduler only gives
+the addresses, so a request takes as long as one message there and one back. The driver can send all data
+of a worker again, so any worker may die at any time.
 """
 
 from __future__ import annotations
@@ -27,38 +28,39 @@ OP = "unrender_answer"
 """The name of the handler."""
 
 HELD = 12
-"""Pieces of shared data that a worker holds, of all recoveries together: four recoveries with three each.
-With half of it, two recoveries on one worker send their scenes again and again; double holds scenes of
-recoveries that have ended for longer."""
+"""Pieces of shared data that a worker keeps, for all recoveries together: four recoveries with three
+each. With half of it, two recoveries on one worker send their scenes again and again; double keeps scenes
+of recoveries that have ended for longer."""
 
 REFRESH = 1.0
-"""Seconds between two looks at who is there: a worker that comes waits half of that on the mean."""
+"""Seconds between two updates of the list of workers: a new worker waits half of that on
+average."""
 
 PATIENCE = 60.0
-"""Seconds that a recovery waits for a worker when all are lost, before it goes on by itself. Dask's nanny
-starts a process again within some seconds; half of this is too short for a queue of Slurm to notice, double
-keeps users waiting whose cluster is gone."""
+"""Seconds that a recovery waits for a worker when all are lost, before it continues alone. Dask's nanny
+restarts a process within some seconds; half of this is too short for a queue of Slurm, double lets users
+wait for a cluster that is gone."""
 
 CONNECT = 3.0
-"""Seconds that a connection may take. Half of it fails on a loaded network; double waits for longer for a
+"""Seconds that a connection may take. Half of it fails on a loaded network; double waits longer for a
 worker that has just died."""
 
 SHUNNED = 5.0
-"""Seconds in which nothing is asked of an address that failed: the scheduler may list it for a while. Double
-leaves a worker idle for longer whose connection broke once, half may wait for a dead one twice."""
+"""Seconds in which an address that failed gets no request: the scheduler may still list it. With double of
+it, a worker whose connection broke once is idle for longer; half may wait for a dead one twice."""
 
 PAUSE = 0.1
-"""Seconds between two looks while it waits."""
+"""Seconds between two updates of the list while it waits."""
 
 
 @cache
 def build() -> str:
-    """SHA-256 of the compiled half: what other machines have to have too, for the same bits."""
+    """SHA-256 of the compiled half, which must be the same on all machines for the same bits."""
     return hashlib.sha256(Path(_unrender.__file__ or "").read_bytes()).hexdigest()
 
 
 class Holder:
-    """What a worker holds: shared data, and scenes that are ready to answer."""
+    """The data of a worker: shared data, and prepared scenes."""
 
     def __init__(self) -> None:
         self._data: OrderedDict[int, bytes] = OrderedDict()
@@ -66,7 +68,7 @@ class Holder:
         self._lock = threading.Lock()
 
     def missing(self, keys: list[int], brought: dict[int, bytes]) -> list[int]:
-        """Keeps what was ``brought``; which of ``keys`` are not there."""
+        """Keeps the data ``brought``; returns which of ``keys`` are missing."""
         with self._lock:
             self._data.update(brought)
             for key in keys:
@@ -77,7 +79,7 @@ class Holder:
             return [key for key in keys if key not in self._data]
 
     def answer(self, keys: list[int], request: bytes) -> bytes:
-        """The answer to a request; all ``keys`` are there."""
+        """The answer to a request; no data of ``keys`` are missing."""
         with self._lock:
             setup, appearance, seen = (self._data[key] for key in keys)
             worker = self._ready.get(keys[0])
@@ -89,7 +91,7 @@ class Holder:
 
 
 HOLDER = Holder()
-"""That of this process."""
+"""The holder of this process."""
 
 
 async def handle(
@@ -99,7 +101,7 @@ async def handle(
     request: bytes,
     build_of_driver: str,
 ) -> dict[str, Any]:
-    """On a worker: the answer to a request, or what is missing for it, or why there is none."""
+    """On a worker: the answer to a request, or the data that are missing for it, or the fault."""
     if build_of_driver != build():
         return {"fault": "it has another build of unrender; install the same wheel on all machines"}
     missing = HOLDER.missing(keys, dict(zip(numbers, values, strict=True)))
@@ -107,7 +109,7 @@ async def handle(
         return {"missing": missing}
     loop = asyncio.get_running_loop()
     try:
-        # Not in the loop, which answers Dask's questions meanwhile.
+        # Not in the event loop, which handles Dask's messages meanwhile.
         return {"answer": await loop.run_in_executor(None, HOLDER.answer, keys, request)}
     except RequestError as error:
         return {"fault": str(error)}
@@ -129,7 +131,7 @@ class Lost(Exception):
 
 
 class Workers:
-    """The workers of a client, as a recovery asks them."""
+    """The workers of a client, for a recovery."""
 
     def __init__(self, client: Any, warn: Callable[[str], None]) -> None:
         self._client = client
@@ -142,16 +144,16 @@ class Workers:
         self._is_over = False
         self._turn = itertools.count()
         self.sent = self.received = self.requests = self.lost = 0
-        """Bytes there, bytes back, requests, and requests whose worker was lost."""
+        """Bytes sent, bytes received, requests, and requests whose worker was lost."""
         self._client.register_plugin(plugin())
         self._client.sync(self._look)
 
     def count(self) -> int:
-        """How many there are; zero once the work is done here."""
+        """The number of workers; zero once the recovery continues here."""
         return 0 if self._is_over else max(1, len(self._known))
 
     def answers(self, shared: list[tuple[int, bytes]], requests: list[bytes]) -> list[bytes] | None:
-        """The answers to all requests, in their order; None if nobody is there any more."""
+        """The answers to all requests, in their order; None if there are no workers any more."""
         if self._is_over:
             return None
         try:
@@ -160,12 +162,12 @@ class Workers:
             with self._lock:
                 if not self._is_over:
                     self._is_over = True
-                    self._warn(f"the recovery goes on without its workers: {error}")
+                    self._warn(f"the recovery continues without its workers: {error}")
             return None
         return found
 
     async def _look(self) -> None:
-        """Sees who is there."""
+        """Updates the list of workers."""
         self._looked = time.monotonic()
         identity = await self._client.scheduler.identity(n_workers=-1)
         shunned = {a for a, when in self._failed.items() if self._looked - when < SHUNNED}
@@ -188,7 +190,7 @@ class Workers:
                 except RequestError:
                     raise
                 except Exception as error:
-                    # Whatever a worker says that dies, another one is asked.
+                    # Whatever the error of a dying worker is, another one gets the request.
                     self._error = error
                     self.lost += 1
                     waiting.append(index)
@@ -200,7 +202,7 @@ class Workers:
         while len(answers) < len(requests):
             if not self._known or time.monotonic() - self._looked > REFRESH:
                 await self._look()
-            # The worker that comes first in one round comes last in the next: most requests are single.
+            # The first worker of one round is the last of the next: most requests are single.
             there = list(self._known)
             first = next(self._turn) % max(1, len(there))
             before = len(answers)
@@ -244,7 +246,7 @@ class Workers:
             known.difference_update(reply["missing"])
 
     async def _send(self, address: str, message: dict[str, Any]) -> dict[str, Any] | None:
-        """What the handler of a worker says to a message; None if it has none."""
+        """The reply of a worker's handler to a message; None if it has no handler."""
         pool = self._client.rpc
         comm = await pool.connect(address, timeout=CONNECT)
         send: Any = import_module("distributed.core").send_recv

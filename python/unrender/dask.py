@@ -1,8 +1,8 @@
-"""Work on a cluster, by Dask's ``distributed``: many projects, or one picture or one recovery over all
-workers.
+"""Work on a cluster with Dask's ``distributed``: many projects, or one picture or one recovery over
+all workers.
 
-Workers need this package in the same version. For :func:`batch` and :func:`render` they see files under the
-same paths as this process; what is in memory goes to them by itself, and so does everything in
+Workers need this package in the same version. For :func:`batch` and :func:`render` they must see files
+under the same paths as this process; data in memory are sent to them, and so is everything in
 :func:`recover`.
 """
 
@@ -37,20 +37,20 @@ if TYPE_CHECKING:
 __all__ = ["Batch", "Result", "batch", "recover", "render"]
 
 PARTS_A_WORKER = 4
-"""Into how many parts the work of a worker is cut. With half of it, a slow worker keeps the others
-waiting for a quarter of the time; with double, twice the parts are sent and added."""
+"""The number of parts per worker. With half of it, the others wait for a slow worker for a quarter
+of the time; with double, twice as many parts are sent and added."""
 
 
 @dataclass(frozen=True)
 class Result:
-    """What came of one project.
+    """The result of one project.
 
     Attributes:
-        project: The path of the project file; or the project, if it lies in no file.
+        project: The path of the project file; or the project, if it is in memory.
         materials: Its materials; None if it failed.
         folder: The folder of its results, if they were written.
-        error: Why it failed, if it did.
-        number: Which of the projects it is, counted from 1.
+        error: The error, if it failed.
+        number: The number of the project, counted from 1.
     """
 
     project: Path | Project
@@ -86,7 +86,8 @@ class Batch:
         return self.results
 
     def table(self) -> pandas.DataFrame:
-        """A row a project and group, a column a number; projects that failed have an ``error``."""
+        """A row per project and group, a column per parameter; projects that failed have a
+        ``note``."""
         import pandas
 
         rows: dict[tuple[str, str], dict[str, Any]] = {}
@@ -116,13 +117,13 @@ def batch(
     retries: int = 2,
     **options: Any,
 ) -> Batch:
-    """Recovers many projects, one future a project.
+    """Recovers many projects, one future per project.
 
     Args:
         projects: Projects, or the paths of their files.
         client: A client of ``distributed``.
         out: A folder, in which each project gets a folder of results by its number and name.
-        retries: How often a project is tried again whose worker was lost.
+        retries: How often a project is tried again if its worker was lost.
         options: Those of :func:`unrender.recover`.
     """
     jobs: list[_Job] = []
@@ -149,17 +150,17 @@ def render(
 ) -> Picture:
     """Renders one picture over all workers, with the bits of one machine; of a scene, or of a project.
 
-    The samples are cut into ranges; the workers' exact sums are added. Workers may come and go: what a
-    lost one had is rendered again.
+    The samples are divided into ranges; the workers' exact sums are added. Workers may come and go:
+    the ranges of a lost one are rendered again.
 
     Args:
         scene: A scene, or the path of its file.
         client: A client of ``distributed``.
-        project: Instead of a scene, as of :func:`unrender.render`.
-        materials: As of :func:`unrender.render`.
-        spp: Samples a pixel.
-        parts: Into how many ranges they are cut; by default four a worker.
-        retries: How often a range is tried again whose worker was lost.
+        project: Instead of a scene, as in :func:`unrender.render`.
+        materials: As in :func:`unrender.render`.
+        spp: Samples per pixel.
+        parts: The number of ranges; by default four per worker.
+        retries: How often a range is tried again if its worker was lost.
         progress: A callback ``f(done, message)``; or True for a bar of tqdm.
         options: Those of :func:`unrender.render`, such as ``width`` and ``seed``.
     """
@@ -194,20 +195,20 @@ def recover(
 ) -> Recovery:
     """Recovers one project over all workers, with the bits of one machine.
 
-    The workers hold the scene and render; fits and decisions are made here, once. Workers may come and
-    go: what a lost one had is rendered again. Where none is left for a minute, the recovery warns and goes
-    on by itself. This process sends its requests straight to the workers' addresses, which it has to
+    The workers hold the scene and render; fits and decisions are made here, once. Workers may come and go:
+    the work of a lost one is done again. If none is left for a minute, the recovery warns and continues
+    alone. This process sends its requests directly to the workers' addresses, which it must be able to
     reach; they need no files.
 
     Args:
-        project: A project, or the path of its file, here.
+        project: A project, or the path of its file on this machine.
         client: A client of ``distributed``.
-        counted: Hears at the end what was sent: ``requests``, ``sent`` and ``received`` bytes, ``lost``
-            requests.
+        counted: A callback that receives at the end ``requests``, ``sent`` and ``received`` bytes, and
+            ``lost`` requests.
         options: Those of :func:`unrender.recover`.
 
     Raises:
-        Error: As :func:`unrender.recover`.
+        Error: As in :func:`unrender.recover`.
         Interrupted: On Ctrl-C, within a second, with the best state so far in ``recovery``.
     """
     doubts: list[str] = []
@@ -225,7 +226,7 @@ def recover(
 
 @dataclass(frozen=True)
 class _Given:
-    """What a worker renders: paths, or what lies in no file."""
+    """The arguments of a worker's rendering: paths, or data in memory."""
 
     scene: Path | Scene | None
     project: Path | Project | None
@@ -233,7 +234,7 @@ class _Given:
 
 
 def _there(given: Any) -> Any:
-    """What goes to a worker: the path of a file, or what lies in none."""
+    """The form in which an argument is sent to a worker: the path of a file, or data in memory."""
     if isinstance(given, Project):
         return given if given.path is None else given.path.absolute()
     if given is None or isinstance(given, Scene):
@@ -263,7 +264,7 @@ _Job = tuple[int, Path | Project, Path | None]
 
 
 def _recovered(job: _Job, options: dict[str, Any]) -> Result:
-    """On a worker: what came of a project. Errors of the project are results, not failures."""
+    """On a worker: the result of a project. Errors of the project are results, not failures."""
     number, project, out = job
     try:
         recovery = recover_here(project, out=out, **options)

@@ -1,4 +1,4 @@
-"""What can go wrong: every error names the file, what is wrong, and what to do about it."""
+"""The errors: each names the file, the problem, and the remedy."""
 
 from __future__ import annotations
 
@@ -29,12 +29,12 @@ def in_python(text: str) -> str:
 
 
 class Error(Exception):
-    """Why unrender could not do what it was asked to.
+    """An error of unrender.
 
     Attributes:
-        file: The file that the error is about, if it is about one.
+        file: The file of the error, if there is one.
         problem: What is wrong.
-        remedy: What to do about it, where that is known.
+        remedy: What to do about it, if that is known.
     """
 
     file: Path | None
@@ -46,7 +46,7 @@ class Error(Exception):
         super().__init__(message)
         self.file = Path(file) if file is not None else None
         text = message.removeprefix(f"{file}: ")
-        # A message says what is wrong, and behind the last semicolon or colon what to do.
+        # A message states the problem, and after the last semicolon or colon the remedy.
         cut = max(text.rfind("; "), text.rfind(": ") if self._colon else -1)
         self.problem = text[:cut] if cut >= 0 else text
         self.remedy = text[cut + 2 :] if cut >= 0 else None
@@ -58,7 +58,7 @@ class Error(Exception):
 
 
 class FileError(Error):
-    """A file cannot be read or written, or says something impossible."""
+    """A file cannot be read or written, or is not valid."""
 
 
 class SceneError(Error):
@@ -68,11 +68,11 @@ class SceneError(Error):
 
 
 class RequestError(Error, ValueError):
-    """Something that was asked for does not fit the scene or the machine, or is no option."""
+    """A request does not fit the scene or the machine, or is not a valid option."""
 
 
 class CalibrateError(Error):
-    """The measured points give no camera."""
+    """The measured points do not determine a camera."""
 
 
 class RecoverError(Error):
@@ -82,25 +82,25 @@ class RecoverError(Error):
 
 
 class Cancelled(Error):
-    """The work was ended by its token before it had a result."""
+    """The token ended the work before it had a result."""
 
 
 class UnrenderWarning(UserWarning):
-    """Doubtful but usable input, and what was assumed."""
+    """A warning of doubtful but usable input, with the assumption that was made."""
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C was pressed: the work has ended, and what there was is here.
+    """Ctrl-C was pressed: the work has ended, with its results so far.
 
     Attributes:
         recovery: The best state of the recovery that was interrupted.
-        picture: The picture that was interrupted, with the samples that it had.
+        picture: The interrupted picture, with its samples so far.
     """
 
     recovery: Recovery | None
     picture: Any | None
 
     def __init__(self, *, recovery: Recovery | None = None, picture: Any | None = None) -> None:
-        super().__init__("interrupted; what there was is in .recovery or .picture")
+        super().__init__("interrupted; the results so far are in .recovery or .picture")
         self.recovery = recovery
         self.picture = picture

@@ -1,4 +1,4 @@
-"""Materials: what was found out about every group, or is given, as in ``materials.json``."""
+"""Materials: the recovered or given parameters of every group, as in ``materials.json``."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["Materials"]
 
 GroupMaterial = dict[str, Any]
 """The keys of a group in materials.json: rho_d, rho_s (three numbers each), alpha_x, alpha_y,
-theta_deg, texture, std, and what a recovery says of it."""
+theta_deg, texture, std, and further results of a recovery."""
 
 
 class Materials(MutableMapping[str, GroupMaterial]):
@@ -34,8 +34,8 @@ class Materials(MutableMapping[str, GroupMaterial]):
 
     Attributes:
         document: The whole of materials.json, as it is written.
-        textures: Textures in memory, by the names of their groups; they go before those of files.
-        folder: Where the texture files are that the document names.
+        textures: Textures in memory, by the names of their groups; they override those of files.
+        folder: The folder of the texture files that the document names.
     """
 
     def __init__(
@@ -46,8 +46,8 @@ class Materials(MutableMapping[str, GroupMaterial]):
         lights: Mapping[str, Mapping[str, Any]] | None = None,
         textures: Mapping[str, ArrayLike] | None = None,
     ) -> None:
-        """Materials of ``groups``; the lobe that the numbers mean is ``brdf`` ("ward-gmd",
-        "ward-1992", "ward-duer" or "ggx"), by default the scene's."""
+        """Materials of ``groups``; their lobe is ``brdf`` ("ward-gmd", "ward-1992", "ward-duer" or
+        "ggx"), by default the scene's."""
         self.document: dict[str, Any] = {"version": 1}
         if brdf is not None:
             self.document["brdf"] = brdf
@@ -61,8 +61,8 @@ class Materials(MutableMapping[str, GroupMaterial]):
 
     @classmethod
     def of(cls, value: Materials | Mapping[str, Any] | StrPath) -> Materials:
-        """Materials of what users have: the path of a file, a dict like materials.json or like its
-        groups, or materials."""
+        """Materials from any accepted form: the path of a file, a dict like materials.json or like
+        its groups, or materials."""
         if isinstance(value, Materials):
             return value
         if not isinstance(value, Mapping):
@@ -91,12 +91,12 @@ class Materials(MutableMapping[str, GroupMaterial]):
 
     @property
     def brdf(self) -> str | None:
-        """The lobe that the numbers mean."""
+        """The lobe of the parameters."""
         return self.document.get("brdf")
 
     @property
     def lights(self) -> dict[str, dict[str, Any]]:
-        """The lights whose brightness was asked for, by name: ``intensity`` and ``std``."""
+        """The lights whose brightness was unknown, by name: ``intensity`` and ``std``."""
         found: dict[str, dict[str, Any]] = self.document.get("lights", {})
         return found
 
@@ -149,7 +149,7 @@ class Materials(MutableMapping[str, GroupMaterial]):
 
 
 class Parts:
-    """Materials as the compiled half takes them."""
+    """Materials in the form of the compiled half."""
 
     def __init__(self, materials: Materials) -> None:
         document = copy.deepcopy(materials.document)

@@ -1,4 +1,4 @@
-"""Pictures: arrays that show themselves in a notebook."""
+"""Pictures: arrays that notebooks display."""
 
 from __future__ import annotations
 
@@ -20,8 +20,7 @@ class Picture(np.ndarray[Any, np.dtype[np.float32]]):
     """A picture: a ``float32`` array (H, W, 3) of linear RGB with the primaries of sRGB.
 
     Row 0 is the top one. Renderings are radiances in W sr^-1 m^-2 per channel. It is a
-    :class:`numpy.ndarray` in every respect; beside that it shows itself in a notebook, and can be
-    saved.
+    :class:`numpy.ndarray` in every respect; in addition, notebooks display it, and it can be saved.
     """
 
     def __new__(cls, values: ArrayLike) -> Picture:
@@ -35,7 +34,7 @@ class Picture(np.ndarray[Any, np.dtype[np.float32]]):
             warn(f"{bad} value(s) were not finite numbers and were written as zero")
 
     def srgb(self) -> NDArray[np.float32]:
-        """The code values (H, W, 3) of sRGB, 0 to 1; what is beyond is clipped."""
+        """The code values (H, W, 3) of sRGB, clipped to 0 to 1."""
         linear = np.clip(np.nan_to_num(np.asarray(self)), 0.0, 1.0)
         curve = 1.055 * np.power(linear, 1 / 2.4) - 0.055
         codes = np.where(linear <= 0.0031308, 12.92 * linear, curve)
@@ -59,7 +58,7 @@ def read_picture(path: StrPath) -> Picture:
 
 
 def png_file(codes: NDArray[Any]) -> bytes:
-    """The PNG file that has these integer codes (H, W, 3), uint8 or uint16, without a loss."""
+    """A PNG file with these integer codes (H, W, 3), uint8 or uint16, without loss."""
     height, width, _ = codes.shape
     bits = 8 * codes.dtype.itemsize
     big_endian = np.ascontiguousarray(codes, dtype=codes.dtype.newbyteorder(">"))
@@ -75,6 +74,6 @@ def png_file(codes: NDArray[Any]) -> bytes:
 
 
 def plain(values: ArrayLike) -> NDArray[np.float32]:
-    """``values`` as a contiguous, aligned float32 array; without a copy if they are one. What came over a network may
-    begin at any byte."""
+    """``values`` as a contiguous, aligned float32 array; without a copy if they are one already. An array from a
+    network may begin at any byte."""
     return np.require(values, np.float32, ["C", "A"]).view(np.ndarray)

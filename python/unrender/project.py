@@ -1,4 +1,4 @@
-"""Projects: which scene, which photograph, what is known already."""
+"""Projects: the scene, the photograph, and what is known already."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ PATHS = (
 
 
 class Project:
-    """What a recovery starts from, as a project file says it; from a file, or built in memory.
+    """The input of a recovery, as in a project file; from a file, or built in memory.
 
-    The keys are those of the project file (README, "The project file"); what is left out here is
-    left out there.
+    The keys are those of the project file (README, "The project file"); keys that are left out here
+    are left out there.
 
     Attributes:
         document: The project file as a dict.
-        folder: Where its relative paths start.
+        folder: The folder of its relative paths.
     """
 
     document: dict[str, Any]
@@ -77,20 +77,21 @@ class Project:
             scene: A scene, or the path of its file.
             photo: The path of the photograph, if it is one; or an array (H, W, 3) of its codes: float32 (by
                 default taken as linear), or uint8 or uint16 (by default taken as sRGB).
-            photos: Several photographs instead of one: for each a mapping with the keys of ``[[photos]]`` in
-                a project file: ``photo`` (a path), ``camera``, ``exposure``, ``lights_off`` and so on. What an
-                entry leaves out is what is said here for all.
+            photos: Several photographs instead of one: for each a mapping with the keys of ``[[photos]]`` in a
+                project file: ``photo`` (a path), ``camera``, ``exposure``, ``lights_off`` and so on. Keys that
+                an entry leaves out are those given here for all.
             response: How codes follow from linear values: "srgb", "linear", {"gamma": 2.2}, the path
                 of a curve, or "auto".
             exposure: Scene radiance of a linear pixel value of one: a number, three, or "auto".
             anchor: The group that fixes an unknown scale: {"group": ..., "rho_d": [...]}.
-            groups: What is known of groups: {"ceil": {"known": {"rho_d": [1, 1, 1]}}}.
+            groups: The statements about groups: {"ceil": {"known": {"rho_d": [1, 1, 1]}}}.
             lights: {"lamp": {"unknown": True}}, or a list of lights that the model lacks.
             environment: Light from all around: {"color": [...]} or {"panorama": path}.
             camera: The photograph's camera, or the name of one of the scene.
-            mask: The path of a mask, or an array (H, W): what is zero or False does not count.
+            mask: The path of a mask, or an array (H, W): pixels that are zero or False are not
+                used.
             recover: {"brdf": ..., "max_rung": ..., "thresholds": {...}}.
-            folder: Where relative paths start.
+            folder: The folder of relative paths.
             keys: Further keys of the project file.
         """
         self.folder = Path(folder).absolute()
@@ -139,7 +140,7 @@ class Project:
 
     @property
     def path(self) -> Path | None:
-        """The file that it was read from, if it was and nothing was changed since."""
+        """The file from which it was read, if nothing was changed since."""
         if self._read is None or self._read[1] != self.document:
             return None
         return self._read[0]
@@ -151,7 +152,7 @@ class Project:
 
     @property
     def is_in_memory(self) -> bool:
-        """Whether scene, photograph or mask are no files."""
+        """Whether scene, photograph or mask are in memory."""
         return not (self._scene is None and self._photo is None and self._mask is None)
 
     def scene(self) -> Scene:
@@ -159,8 +160,8 @@ class Project:
         return self._scene or Scene.read(self.folder / self.document["scene"])
 
     def save(self, path: StrPath) -> Path:
-        """Writes the project file, with scene, environment, photograph and mask beside it where they are
-        in memory; its path."""
+        """Writes the project file, with scene, environment, photograph and mask beside it if they are in
+        memory; returns its path."""
         file = Path(path).absolute()
         file.parent.mkdir(parents=True, exist_ok=True)
         document = json.loads(json.dumps(self.document))
@@ -182,7 +183,7 @@ class Project:
         def moved(value: Any) -> Any:
             if isinstance(value, list):
                 return [moved(item) for item in value]
-            # Some of these keys may hold another word than a path.
+            # Some of these keys may have another value than a path.
             if not isinstance(value, str) or not (self.folder / value).exists():
                 return value
             return value if Path(value).is_absolute() else os.path.relpath(self.folder / value, folder)
@@ -200,7 +201,7 @@ class Project:
         document["scene"] = f"{file.stem}.glb"
         scene.save(os.fspath(file.with_suffix(".glb")))
         around = scene.environment()
-        # That of the project takes its place.
+        # An environment of the project replaces it.
         if around is not None and "environment" not in document:
             panorama, turned = around
             name = f"{file.stem}_environment.exr"
@@ -210,7 +211,7 @@ class Project:
     def _save_photo(
         self, document: dict[str, Any], file: Path, mask: NDArray[np.float32] | None
     ) -> NDArray[np.float32] | None:
-        """Writes the photograph. The mask that goes with it: pixels that are no numbers do not count."""
+        """Writes the photograph. Returns its mask: pixels that are not numbers are not used."""
         values, bits = codes(self._photo)
         if bits:
             document["photo"] = f"{file.stem}_photo.png"
@@ -232,7 +233,7 @@ class Project:
 
     @contextmanager
     def as_file(self) -> Generator[Path, None, None]:
-        """The path of a file of the project: its own, or one that is removed again."""
+        """The path of a file of the project: its own, or a temporary one."""
         if self.path is not None:
             yield self.path
             return
@@ -244,7 +245,7 @@ class Project:
 
 
 class ProjectParts:
-    """A project as the compiled half takes it."""
+    """A project in the form of the compiled half."""
 
     def __init__(self, project: Project) -> None:
         self.path = os.fspath(project.path or project.folder / "project.toml")
@@ -264,7 +265,7 @@ class ProjectParts:
 
 
 def photo_name(photo: Any) -> str | None:
-    """What a project's document says of its one photograph."""
+    """The keys of a project's document about its single photograph."""
     if photo is None:
         return None
     return os.fspath(photo) if isinstance(photo, (str, os.PathLike)) else IN_MEMORY
@@ -296,13 +297,13 @@ def codes(photo: Any) -> tuple[NDArray[np.float32], int]:
 
 
 def code_values(path: Path) -> NDArray[np.float32]:
-    """The values (H, W, 3) that a file has, as they stand there."""
+    """The values (H, W, 3) of a file, unchanged."""
     read = read_picture(path)
     return plain(read) if path.suffix.lower() in (".exr", ".hdr") else read.srgb()
 
 
 def mask_picture(mask: NDArray[Any]) -> NDArray[np.float32]:
-    """A mask (H, W) as a picture, white where it counts."""
+    """A mask (H, W) as a picture, white where pixels are used."""
     if mask.ndim != 2:
         raise RequestError(f"the mask is an array (H, W), not of the shape {mask.shape}")
     white = (mask != 0).astype(np.float32)

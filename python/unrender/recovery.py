@@ -1,4 +1,4 @@
-"""``unrender recover`` as a function, and what it hands over."""
+"""The command ``unrender recover`` as a function, and its results."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ if TYPE_CHECKING:
 __all__ = ["Covariance", "Recovery", "recover"]
 
 WORKERS: ContextVar[Any] = ContextVar("WORKERS", default=None)
-"""Who does the renderer's work of recoveries that are begun here; None means this process."""
+"""The workers that render for recoveries started here; None means this process."""
 
 
 @dataclass(frozen=True)
 class Covariance:
-    """The joint covariance of all numbers that were refined.
+    """The joint covariance of all refined parameters.
 
     Attributes:
-        names: What each number is: ("rho_d", "floor", 0) is the red of the floor's diffuse
+        names: The name of each parameter: ("rho_d", "floor", 0) is the red of the floor's diffuse
             reflectance. The first is "rho_d", "rho_s", "alpha" (of a round lobe), "alpha_x",
             "alpha_y", "theta_deg", "intensity", "exposure" or "camera"; the second the group or the
             light, or None; the third the channel, or None.
@@ -63,12 +63,12 @@ class Covariance:
 
 
 class Recovery:
-    """What came out of a photograph, or of several.
+    """The results from a photograph, or from several.
 
     Attributes:
-        materials: The parameters of every group with their standard deviations: what materials.json
-            says; textures in ``materials.textures``.
-        interrupted: Whether it was ended before its end.
+        materials: The parameters of every group with their standard deviations, as in
+            materials.json; textures in ``materials.textures``.
+        interrupted: Whether it was interrupted.
         folder: The folder of the results, if they were written or read.
     """
 
@@ -119,15 +119,15 @@ class Recovery:
 
     @property
     def photographs(self) -> int:
-        """The number of photographs that it was recovered from."""
+        """The number of photographs from which it was recovered."""
         count = self._document.get("photographs", 1)
-        # A file has a list of them where there are several.
+        # A file has a list of them if there are several.
         return (len(count) or 1) if isinstance(count, list) else int(count)
 
     def of(self, photograph: int) -> Recovery:
-        """The same as one of several photographs shows it, counted from 0: ``photo``, ``rerendered``, ``camera``,
+        """The same for one of several photographs, counted from 0: ``photo``, ``rerendered``, ``camera``,
         ``exposure``, ``exposure_std``, ``photograph``, ``noise``, ``group_map``, ``valid`` and ``status_map`` are
-        that one's. Without it, those of the first."""
+        those of that photograph; otherwise they are those of the first."""
         if not 0 <= photograph < self.photographs:
             raise RequestError(f"there is no photograph {photograph}; there are {self.photographs}")
         shown = Recovery(
@@ -142,36 +142,36 @@ class Recovery:
 
     @property
     def exposure(self) -> NDArray[np.float32]:
-        """Scene radiance per unit of linear pixel value, by channel, (3,)."""
+        """Scene radiance per unit of linear pixel value, per channel, (3,)."""
         entry = self._taken or self.materials.document
         return np.array(entry.get("exposure") or [np.nan] * 3, dtype=np.float32)
 
     @property
     def exposure_std(self) -> NDArray[np.float32] | None:
-        """Its standard deviation, where the exposure was asked for, (3,)."""
+        """Its standard deviation, if the exposure was unknown, (3,)."""
         taken = self._taken
         std = self._document.get("exposure_std") if taken is None else (taken.get("std") or {}).get("exposure")
         return None if std is None else np.array(std, dtype=np.float32)
 
     @property
     def lights(self) -> dict[str, dict[str, Any]]:
-        """The lights whose brightness was asked for, by name: ``intensity`` and ``std``."""
+        """The lights whose brightness was unknown, by name: ``intensity`` and ``std``."""
         return self.materials.lights
 
     @property
     def photograph(self) -> dict[str, Any] | None:
-        """The numbers of the camera that were asked for: ``gamma``, ``vignetting``, ``corner``."""
+        """The photometric parameters that were unknown: ``gamma``, ``vignetting``, ``corner``."""
         return self._taken or self.materials.document.get("photograph")
 
     @property
     def _taken(self) -> dict[str, Any] | None:
-        """What came out for this one of several photographs."""
+        """The results for this one of several photographs."""
         several = self.materials.document.get("photographs") or []
         return dict(several[self._photograph]) if several else None
 
     @property
     def seconds(self) -> float:
-        """How long it took."""
+        """Its time, seconds."""
         return float(self.materials.document.get("seconds", np.nan))
 
     @property
@@ -186,7 +186,7 @@ class Recovery:
 
     @property
     def warnings(self) -> list[str]:
-        """What was doubtful about the input."""
+        """The warnings about the input."""
         return list(self._document.get("warnings", []))
 
     @property
@@ -196,7 +196,7 @@ class Recovery:
 
     @property
     def camera(self) -> Camera | None:
-        """The camera that it went on with, which may have been moved onto the photograph."""
+        """The camera that it used, which may have been moved to fit the photograph."""
         if self._inner is None:
             return None
         entry = json.loads(self._inner.camera(self._photograph))
@@ -218,7 +218,7 @@ class Recovery:
 
     @cached_property
     def noise(self) -> NDArray[np.float32]:
-        """The standard deviation that noise gives the luminance of photograph minus re-rendering,
+        """The standard deviation of the noise in the luminance of photograph minus re-rendering,
         radiance, (H, W)."""
         return self._whole().noise(self._photograph)
 
@@ -229,13 +229,13 @@ class Recovery:
 
     @cached_property
     def valid(self) -> NDArray[np.bool_]:
-        """Which pixels of the photograph counted, (H, W)."""
+        """Which pixels of the photograph were used, (H, W)."""
         return np.asarray(self.status_map == 0)
 
     @cached_property
     def status_map(self) -> NDArray[np.uint8]:
-        """Why a pixel did not count, (H, W): 0 it did, 1 no model there, 2 clipped or left out, 3 too
-        close to an edge, 4 a single bright pixel, 5 what the model lacks."""
+        """Why a pixel was not used, (H, W): 0 it was used, 1 no model there, 2 clipped or left out, 3
+        too close to an edge, 4 a single bright pixel, 5 it shows something that the model lacks."""
         return self._whole().status_map(self._photograph)
 
     def texture(self, group: str) -> NDArray[np.float32] | None:
@@ -249,7 +249,7 @@ class Recovery:
 
     @cached_property
     def covariance(self) -> Covariance | None:
-        """The joint covariance of all numbers that were refined; None where nothing was."""
+        """The joint covariance of all refined parameters; None if nothing was refined."""
         found = self._whole().covariance()
         if found is None:
             return None
@@ -264,14 +264,14 @@ class Recovery:
 
     def save(self, out: StrPath) -> Path:
         """Writes the results into a folder as the command does: materials.json, pictures, scene.glb,
-        report.html, run.json. The folder's path."""
+        report.html, run.json. Returns the folder's path."""
         self._whole().save(os.fspath(out))
         self.folder = Path(out)
         return self.folder
 
     @contextmanager
     def as_folder(self) -> Generator[Path, None, None]:
-        """A folder of the results: its own, or one that is removed again."""
+        """A folder of the results: its own, or a temporary one."""
         if self.folder is not None:
             yield self.folder
             return
@@ -281,7 +281,8 @@ class Recovery:
             yield place
 
     def to_pandas(self) -> pandas.DataFrame:
-        """A table with a row a group and a column a number; its standard deviations in ``std_*``."""
+        """A table with a row per group and a column per parameter; standard deviations are in
+        ``std_*``."""
         return _tables.frame(self.materials)
 
     def to_xarray(self) -> xarray.Dataset:
@@ -292,7 +293,7 @@ class Recovery:
     def _whole(self) -> _unrender.Recovered:
         if self._inner is None:
             raise RequestError(
-                "this is not known of a recovery that was read from files or interrupted early"
+                "this is not available for a recovery that was read from files or interrupted early"
             )
         return self._inner
 
@@ -335,8 +336,8 @@ def recover(
 ) -> Recovery:
     """Recovers the materials of a project's groups from its photograph.
 
-    What comes out has the bits of ``unrender recover PROJECT.toml --out DIR`` with the same
-    arguments, whatever the number of threads.
+    The results equal those of ``unrender recover PROJECT.toml --out DIR`` with the same arguments
+    to the bit, for any number of threads.
 
     Args:
         project: A project, or the path of its file.
@@ -344,30 +345,32 @@ def recover(
         ladder: The ladder of hypotheses: "default", or "paper" for the method of Boivin and
             Gagalowicz (2002).
         paper_direction: How the paper's ladder finds the anisotropy direction: "rerender" for the one of 64
-            whose re-rendering differs least, or "text" for the mirror difference of the paper's text.
-        effort: How much work to spend: "draft" for a first answer with an eighth of the samples, "normal",
-            or "high" for four times as many.
-        seed: Chooses the noise of the renderings.
-        spp: Paths a pixel of the final re-rendering; by default 64, of a draft 16, above 512 x 512 pixels
-            fewer.
+            with the smallest difference of the re-rendering, or "text" for the mirror difference of the
+            paper's text.
+        effort: The amount of work: "draft" for a first answer with an eighth of the samples, "normal", or
+            "high" for four times as many.
+        seed: The seed of the renderings' noise.
+        spp: Paths per pixel of the final re-rendering; by default 64, for a draft 16, above 512 x 512
+            pixels fewer.
         bounces: The most reflections of a path; by default until it carries nothing more.
         no_refine: Leave out the joint refinement, and with it the standard deviations.
         max_rung: The most complex hypothesis that a group may have: "diffuse", "mirror",
             "partial-mirror", "diffuse-specular", "isotropic", "anisotropic" or "textured".
-        refine_camera: Move the camera to where the model's edges lie on the photograph's; by
-            default if a quick rendering is nearer to the photograph there.
-        keep_camera: Keep the camera as it is given.
-        no_filter: Take the model as if it fitted to the pixel, and all that the photograph shows as
-            part of it.
-        picture: The size of ``rerendered`` and ``photo`` where a photograph of more than a megapixel is
-            worked on as the means of squares of its pixels: "worked", or "full" for that of the photograph.
-        force: Go on where no reflectances explain the photograph, but a factor on all light would.
+        refine_camera: Move the camera to the place where the model's edges fit the photograph's; by
+            default only if a quick rendering is nearer to the photograph there.
+        keep_camera: Keep the given camera.
+        no_filter: Assume that the model fits to the pixel, and that it contains all that the
+            photograph shows.
+        picture: The size of ``rerendered`` and ``photo`` if a photograph of more than a megapixel is
+            reduced to means of squares of its pixels: "worked", or "full" for that of the photograph.
+        force: Continue if no reflectances explain the photograph, but a factor on all light would.
         progress: A callback ``f(done, message)``; or True for a bar of tqdm.
-        on_iteration: A callback that hears the materials as they stand after an iteration, on this
-            thread, while the recovery goes on; if it takes its time, iterations are left out. The
-            re-rendering with them is ``render(project=..., materials=...)``. Textures are left out.
-        cancel: A token; when it is cancelled, the best state so far comes back, ``interrupted``.
-        threads: How many threads to use; by default one a core.
+        on_iteration: A callback that receives the materials after an iteration, on this thread,
+            while the recovery continues; if it is slow, iterations are skipped. The re-rendering
+            with them is ``render(project=..., materials=...)``. Textures are left out.
+        cancel: A token; when it is cancelled, the best state so far is returned, marked
+            ``interrupted``.
+        threads: How many threads to use; by default one per core.
         allow_outside: Whether scenes may name files outside their folder.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
 
@@ -414,7 +417,7 @@ def recover(
 
 
 def _sketched(document: dict[str, Any]) -> Recovery:
-    """Where a recovery stood when it was interrupted: its materials, without pictures."""
+    """The state of a recovery when it was interrupted: its materials, without pictures."""
     materials = Materials()
     materials.document = document
     return Recovery(materials, interrupted=True)

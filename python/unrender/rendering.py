@@ -1,4 +1,4 @@
-"""``unrender render`` as a function."""
+"""The command ``unrender render`` as a function, and further functions of pictures."""
 
 from __future__ import annotations
 
@@ -56,17 +56,17 @@ def render(
 ) -> Picture:
     """Renders a scene, or the scene of a project.
 
-    The picture has the bits of ``unrender render --out FILE.exr`` with the same arguments, whatever
-    the number of threads.
+    The picture equals that of ``unrender render --out FILE.exr`` with the same arguments to the
+    bit, for any number of threads.
 
     Args:
         scene: A scene, or the path of its file.
         project: Instead of a scene: a project's scene with its lights and its environment, by its
             camera, as large as its photograph.
-        photo: Which one of a project's photographs, from 1: its camera and size, and the lamps that were on;
+        photo: The number of a project's photograph, from 1: its camera and size, and the lamps that were on;
             by default the first.
-        materials: Materials to put onto the scene's groups: the path of a materials.json or of a
-            folder of results, a dict like it or like its groups, Materials, or a Recovery.
+        materials: Materials for the scene's groups: the path of a materials.json or of a folder of
+            results, a dict like it or like its groups, Materials, or a Recovery.
         light_units: The units of a glTF file's lights: "blender-standard", "unitless",
             "blender-raw" or "radiometric"; by default as its generator writes them.
         environment: A panorama that lights the scene from all around (.hdr, .exr); or an array
@@ -78,24 +78,24 @@ def render(
         width: Pixels in a row; by default by the height and the camera's aspect.
         height: Rows; by default by the width and the camera's aspect, else 512.
         denoise: Remove noise from the picture, for a small bias. Its ``noise`` is then the relative error
-            with the bias, as two halves of the samples tell it.
-        layers: Write what each light contributes as well, as layers of the file ``out``, a .exr:
-            :func:`relight` makes lights brighter and darker by them.
-        spp: Samples a pixel, on average; with ``time`` or ``noise`` the most. By default 64 without
-            those.
-        time: Stop after so many seconds; how far that is depends on the machine.
+            with the bias, from two halves of the samples.
+        layers: Also write the contribution of each light, as layers of the file ``out``, a .exr;
+            with these :func:`relight` makes lights brighter and darker.
+        spp: Samples per pixel, on average; with ``time`` or ``noise`` the most. By default 64
+            without those.
+        time: Stop after this many seconds; the number of samples then depends on the machine.
         noise: Stop when the relative standard error of the picture is at most this.
         adaptive: Take more samples where the picture is noisy.
-        samples: Render the samples (A, B) alone, B not included. With ``out``, which is a .exr file
-            then, it becomes a part that :func:`merge` puts together with others.
-        checkpoint: Keep the samples in this .exr file, and go on from there.
-        seed: Chooses the noise.
-        independent: Let every pixel have paths of its own.
+        samples: Render only the samples (A, B), B not included. With ``out``, then a .exr file, the
+            result is a part that :func:`merge` merges with others.
+        checkpoint: Keep the samples in this .exr file, and continue from there.
+        seed: The seed of the noise.
+        independent: Trace paths for every pixel alone.
         bounces: The most reflections of a path; by default until it carries nothing more.
-        out: A file to write the picture to as well: .exr, .hdr or .png.
+        out: A file for the picture: .exr, .hdr or .png.
         progress: A callback ``f(done, message)``; or True for a bar of tqdm.
-        cancel: A token; when it is cancelled, the picture comes with the samples that it has.
-        threads: How many threads to use; by default one a core.
+        cancel: A token; when it is cancelled, the picture is returned with its samples so far.
+        threads: How many threads to use; by default one per core.
         allow_outside: Whether scenes and materials may name files outside their folder.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
 
@@ -146,7 +146,7 @@ def render(
         flags["project"] = stack.enter_context(project_file(project))
         flags["environment"] = panorama_file(environment, place / "environment.exr")
         if out is not None and (layers or samples is not None):
-            # Samples and light layers are what the command makes, of files.
+            # The command makes samples and light layers, from files.
             flags["materials"] = materials_file(materials, place / "materials.json")
             flags["out"] = os.fspath(out)
             line = words("render", positional, flags, allow_outside, input_memory)
@@ -163,11 +163,11 @@ def merge(
     allow_gaps: bool = False,
     out: StrPath,
 ) -> Picture:
-    """Puts parts of a rendering together: to the bit the picture that one run would have made.
+    """Merges parts of a rendering into the picture of one run, to the bit.
 
     Args:
         parts: The files that ``render(..., samples=(A, B), out=...)`` wrote, in any order.
-        allow_gaps: Take it that samples are missing between the parts.
+        allow_gaps: Allow missing samples between the parts.
         out: The picture to write: .exr, .hdr or .png.
 
     Returns:
@@ -192,11 +192,11 @@ def relight(
 
     Args:
         layers: The file that ``render(..., layers=True, out=...)`` wrote.
-        light: How many times as bright lights are, by name: one factor for all channels, or three for
-            red, green and blue. 0 is off; what is not named stays as it is.
-        only: The lights that are on, all others being off.
+        light: The factor on the brightness of lights, by name: one for all channels, or three for
+            red, green and blue. 0 is off; lights that are not named stay as they are.
+        only: The lights that are on; all others are off.
         out: The picture to write: .exr, .hdr or .png.
-        allow_outside: Whether files may be named outside their folder.
+        allow_outside: Whether files outside their folder may be named.
         input_memory: The memory that the layers may take while they are read, GiB.
 
     Returns:
@@ -235,16 +235,16 @@ def merge_exposures(
             number and f-number by EXIF.
         response: The camera's response: "srgb", "linear", or a file as for projects; by default it is
             found from the photographs.
-        black_level: The pixel value of no light, of 1.
+        black_level: The pixel value of no light, where 1 is white.
         white_level: The pixel value from which on the photographs are clipped; by default the greatest of
-            the file, none of floating-point files.
-        response_out: A .csv file for the response that was found, to be stated from then on.
+            the file, none for floating-point files.
+        response_out: A .csv file for the response that was found, for use as ``response``.
         out: The picture to write, .exr: with its variances, which a project that has it as its photo uses.
-        allow_outside: Whether files may be named outside their folder.
+        allow_outside: Whether files outside their folder may be named.
         input_memory: The memory that a picture may take while it is read, GiB.
 
     Returns:
-        The picture in that file, (H, W, 3): 1 is the white of the photograph that is best exposed.
+        The picture in that file, (H, W, 3): 1 is the white of the best exposed photograph.
     """
     flags = {
         "times": None if times is None else ",".join(map(str, times)),
@@ -282,7 +282,7 @@ def _written(
     if signalled:
         raise Interrupted
     if not succeeded:
-        raise Cancelled("the work was ended before it had a result")
+        raise Cancelled("the work was cancelled before it had a result")
     return read_picture(out)
 
 

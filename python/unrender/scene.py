@@ -32,21 +32,22 @@ class Camera:
     """A perspective camera.
 
     Attributes:
-        eye: Where it stands, metres.
-        target: A point that it looks at, metres.
+        eye: Its position, metres.
+        target: A point at which it looks, metres.
         up: A direction that is upwards in the picture.
         fov_y_deg: The full vertical field of view, degrees.
         name: Its name in the scene.
-        principal_point: From the picture's centre to the right and downwards, in heights of it.
+        principal_point: From the picture's centre to the right and downwards, in heights of the
+            picture.
         k1: Radial distortion, the coefficient of the squared distance from the axis.
         k2: The coefficient of its fourth power.
         k3: The coefficient of its sixth power.
         p1: Tangential distortion, of a lens tilted about the horizontal axis.
         p2: Tangential distortion, of a lens tilted about the vertical axis.
         fx_over_fy: The focal length in pixels across over that in pixels down.
-        aspect: Width over height, where it is stated.
+        aspect: Width over height, if it is stated.
         world_from_camera: The exact pose that a file states, 12 numbers, column by column; eye,
-            target and up say the same to rounding.
+            target and up give the same except for rounding.
     """
 
     eye: Triple
@@ -88,8 +89,8 @@ class Camera:
     def project(
         self, points: ArrayLike, width: int, height: int
     ) -> NDArray[np.float64]:
-        """Where points (N, 3) in metres lie in a picture of ``width`` x ``height`` pixels: (N, 2),
-        from its top left corner to the right and downwards; NaN behind the camera."""
+        """The pixels of points (N, 3), metres, in a picture of ``width`` x ``height`` pixels: (N,
+        2), from its top left corner to the right and downwards; NaN behind the camera."""
         at = np.atleast_2d(np.asarray(points, dtype=float)) - np.asarray(self.eye, dtype=float)
         back = np.asarray(self.eye, dtype=float) - np.asarray(self.target, dtype=float)
         back /= np.linalg.norm(back)
@@ -132,7 +133,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class Group:
-    """What all surfaces of one group share.
+    """The properties of all surfaces of one group.
 
     Attributes:
         rho_d: Diffuse reflectance by channel, 0 to 1.
@@ -159,11 +160,11 @@ class Light:
 
     Attributes:
         kind: "point", "spot" or "directional".
-        strength: Radiant intensity, W sr^-1 by channel; of directional ones irradiance, W m^-2.
-        position: Of points and spots, metres.
-        direction: In which the light of spots and directional ones travels.
-        inner_deg: Of spots: the half angle up to which the intensity is full, degrees.
-        outer_deg: Of spots: the half angle from which it is zero, degrees.
+        strength: Radiant intensity, W sr^-1 per channel; for directional ones irradiance, W m^-2.
+        position: For points and spots, metres.
+        direction: The direction in which the light of spots and directional ones travels.
+        inner_deg: For spots: the half angle up to which the intensity is full, degrees.
+        outer_deg: For spots: the half angle from which it is zero, degrees.
         name: Its name.
     """
 
@@ -177,12 +178,12 @@ class Light:
 
 
 _FAR = 32.0
-"""Meshes farther from zero than so many times their extent count from their midst, as those of
-files do."""
+"""Meshes farther from zero than this many times their extent have an origin at their middle, like
+those of files."""
 
 
 def _origin(meshes: Sequence[Mesh]) -> NDArray[np.float64]:
-    """Where the vertices are best counted from, in single precision."""
+    """The best origin of the vertices in single precision."""
     corners = [np.asarray(mesh.vertices, dtype=float).reshape(-1, 3) for mesh in meshes]
     corners = [c for c in corners if c.size and np.isfinite(c).all()]
     if not corners:
@@ -195,7 +196,7 @@ def _origin(meshes: Sequence[Mesh]) -> NDArray[np.float64]:
 
 
 class _Arrays:
-    """The arrays of a mesh as the compiled half takes them, counted from an origin."""
+    """The arrays of a mesh in the form of the compiled half, relative to an origin."""
 
     def __init__(self, mesh: Mesh, origin: NDArray[np.float64]) -> None:
         far = origin.any() and np.ndim(mesh.vertices) == 2
@@ -211,7 +212,7 @@ class Scene:
     Scenes do not change; methods that change something return another scene.
 
     Attributes:
-        path: The file that it was read from, if it was.
+        path: The file from which it was read, if it was.
     """
 
     path: Path | None
@@ -320,7 +321,7 @@ class Scene:
 
     @property
     def brdf(self) -> str:
-        """The lobe that the materials' numbers mean."""
+        """The lobe of the materials' parameters."""
         name: str = self._description()["brdf"]
         return name
 
@@ -345,22 +346,23 @@ class Scene:
         return self._of(inner)
 
     def with_camera(self, camera: Camera) -> Scene:
-        """The same scene with one camera more, which takes the place of one of its name."""
+        """The same scene with a further camera, which replaces one of its name."""
         return self._of(self._inner.with_camera(json.dumps(jsonable(vars(camera)))))
 
     def save(self, path: StrPath) -> None:
-        """Writes the scene to a .glb file, the exact Ward numbers in its extras. Its environment, if it has
-        one, is not in the file: glTF has no words for it."""
+        """Writes the scene to a .glb file, with the exact Ward parameters in its extras. Its environment,
+        if it has one, is not in the file: glTF cannot express it."""
         self._inner.save(os.fspath(path))
         if self._inner.environment() is not None:
-            warn(f"{os.fspath(path)}: glTF has no words for the scene's environment, which is not in it")
+            warn(f"{os.fspath(path)}: glTF cannot express the scene's environment, which is not in it")
 
     def __getstate__(self) -> dict[str, Any]:
-        """All of the scene, for processes with the same build: ``pickle`` and ``copy`` ask for it."""
+        """The state of the scene, for processes with the same build: ``pickle`` and ``copy`` use
+        it."""
         return {"bytes": self._inner.to_bytes(), "path": self.path}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """The scene of such a state."""
+        """Restores the scene from such a state."""
         self._inner, self.path = _unrender.Scene.from_bytes(state["bytes"]), state["path"]
 
     def __repr__(self) -> str:

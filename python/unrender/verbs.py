@@ -80,7 +80,7 @@ def calibrate(
     """Finds the camera of a photograph from points of the scene that it shows.
 
     Args:
-        photo: The photograph, a path or an array (H, W, 3) as of a :class:`Project`; by default that of
+        photo: The photograph, a path or an array (H, W, 3) as in a :class:`Project`; by default that of
             the project in ``out``.
         scene: A scene, or the path of its file; by default that of the project in ``out``.
         points: The path of a CSV file (x_px,y_px,x_m,y_m,z_m,name); or two arrays: pixels (N, 2),
@@ -90,16 +90,16 @@ def calibrate(
         principal_point: Find the principal point too.
         distortion: Find the radial distortion k1, k2 too.
         fov_y_deg: The vertical field of view, degrees, if it is known.
-        seed: Chooses the subsets of pairs that are tried.
+        seed: The seed of the subsets of pairs that are tried.
         name: The camera's name in a .glb.
         out: A project file (.toml), which is made or whose camera is replaced, or the scene with the
-            camera in it (.glb); by default nothing is written. What is in memory is written beside a
-            project that is made.
+            camera in it (.glb); by default nothing is written. Data in memory are written beside a
+            new project.
         allow_outside: Whether scenes may name files outside their folder.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
 
     Raises:
-        CalibrateError: If the points give no camera.
+        CalibrateError: If the points do not determine a camera.
     """
     with ExitStack() as stack:
         place = stack.enter_context(temporary())
@@ -141,7 +141,7 @@ def calibrate(
 
 
 def _project_in_memory(photo: Any, scene: Scene | StrPath | None, target: Path) -> Project:
-    """The project of a photograph and a scene that are not both files."""
+    """The project of a photograph and a scene, one or both of which are in memory."""
     if target.suffix == ".toml" and target.exists():
         raise RequestError(f"{target}: is a project already, which names its photo and its scene")
     if photo is None or scene is None:
@@ -163,13 +163,13 @@ def _points_file(path: Path, pixels: ArrayLike, metres: ArrayLike) -> Path:
 
 @dataclass(frozen=True)
 class Checkup:
-    """What of a project would spoil its recovery.
+    """The problems of a project that would spoil its recovery.
 
     Attributes:
-        document: What ``unrender check --json`` prints; of several photographs it is the first one's, with those
+        document: The output of ``unrender check --json``; for several photographs that of the first, with those
             of the others in a list ``further``.
-        edges: The model's edges over the photo: green where it has them too, red where it has them
-            elsewhere and yellow there, blue where it shows none.
+        edges: The model's edges over the photo: green where the photo has them too; red where it
+            has them elsewhere, which is yellow; blue where it shows none.
     """
 
     document: dict[str, Any]
@@ -177,7 +177,7 @@ class Checkup:
 
     @property
     def warnings(self) -> list[str]:
-        """What looks wrong, and what to do about it."""
+        """The warnings, each with its remedy."""
         return list(self.document.get("warnings", []))
 
     def _repr_png_(self) -> bytes | None:
@@ -192,12 +192,12 @@ def check(
     allow_outside: bool = False,
     input_memory: float | None = None,
 ) -> Checkup:
-    """Looks at a project before it is recovered, and says what to mend.
+    """Checks a project before it is recovered, and says what to mend.
 
     Args:
         project: A project, or the path of its file.
         out: A .png file for the picture of the model's edges; by default it is not written.
-        threads: How many threads to use; by default one a core.
+        threads: How many threads to use; by default one per core.
         allow_outside: Whether scenes may name files outside their folder.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
     """
@@ -212,12 +212,12 @@ def check(
 
 @dataclass(frozen=True)
 class Plan:
-    """What further photographs would add to those that there are.
+    """What further photographs would add to the existing ones.
 
     Attributes:
-        candidates: The best first; each with its ``name``, the ``ratio`` of all standard deviations to those of now,
-            its ``camera`` (a table ``[camera]`` of a project), ``lights_off``, and for each of the ``groups`` its own
-            ``ratio`` and whether it ``is_new``: that no photograph shows it so far.
+        candidates: The best first; each with its ``name``, the ``ratio`` of all standard deviations to the present
+            ones, its ``camera`` (a table ``[camera]`` of a project), ``lights_off``, and for each of the ``groups``
+            its own ``ratio`` and whether it ``is_new``: not shown by any photograph so far.
     """
 
     candidates: list[dict[str, Any]]
@@ -235,16 +235,16 @@ def plan(
     allow_outside: bool = False,
     input_memory: float | None = None,
 ) -> Plan:
-    """Says which photograph to take next, after a recovery.
+    """Suggests which photograph to take next, after a recovery.
 
     Args:
         project: The project, or the path of its file.
-        recovered: What was recovered from it, or the folder of the results.
+        recovered: Its recovery, or the folder of the results.
         effort: How much work to spend on each candidate: "draft", "normal" or "high".
-        seed: Chooses the noise of the renderings.
+        seed: The seed of the renderings' noise.
         progress: A callback ``f(done, message)``; or True for a bar of tqdm.
         cancel: A token; when it is cancelled, :class:`Cancelled` is raised.
-        threads: How many threads to use; by default one a core.
+        threads: How many threads to use; by default one per core.
         allow_outside: Whether scenes may name files outside their folder.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
     """
@@ -262,7 +262,7 @@ class Restaging:
 
     Attributes:
         pictures: The pictures by the names of their files without extension, linear (H, W, 3).
-        folder: The folder that they were written to, if they were kept.
+        folder: The folder to which they were written, if they were kept.
     """
 
     pictures: dict[str, Picture] = field(repr=False)
@@ -309,41 +309,41 @@ def restage(
     allow_outside: bool = False,
     input_memory: float | None = None,
 ) -> Restaging:
-    """Renders a recovered scene with edits, or puts them into its photograph.
+    """Renders a recovered scene with edits, or composites the edits into its photograph.
 
     Args:
-        edits: The edit file, as of ``unrender restage --help``.
+        edits: The edit file, as in ``unrender restage --help``.
         out: A folder for the pictures; by default they are not kept.
-        composite: Put the change into the photograph, and leave the rest of it as it is.
-        grain: Give what is synthetic in the composite the noise of the photograph.
+        composite: Composite the change into the photograph, and leave the rest of it as it is.
+        grain: Add the noise of the photograph to the synthetic parts of the composite.
         denoise: Remove noise from the pictures, for a small bias.
         recovered: A recovery to start from, or the folder of one.
         project: The project that was recovered, or the path of its file, for its photograph.
         scene: Start from a scene, or from the path of its file.
         light_units: The units of a glTF file's lights.
-        materials: Materials to put onto the scene's groups, as of :func:`render`.
-        remove: Objects, or groups with all of theirs, to take away.
-        repaint: Changes of how groups reflect: "GROUP: rho_d = [0.5, 0.1, 0.1]".
+        materials: Materials for the scene's groups, as in :func:`render`.
+        remove: Objects, or groups with all their objects, to remove.
+        repaint: Changes of materials of groups: "GROUP: rho_d = [0.5, 0.1, 0.1]".
         light: Changes of lights: "NAME: scale = 0.5".
         environment: A panorama: "FILE.hdr: rotation_deg = 90"; or an array (H, W, 3) of its radiance.
-        insert: Models to put into the scene: "FILE: on = 'GROUP', at = [x, z]".
-        camera: The scene's camera to look through; by default the photograph's.
+        insert: Models to insert into the scene: "FILE: on = 'GROUP', at = [x, z]".
+        camera: The camera of the scene; by default the photograph's.
         width: Pixels in a row; by default the photograph's.
         height: Rows; by default the photograph's.
-        frames: Of a sequence, the pictures (A, B) alone, counted from 1, B not included.
-        parts: Take the samples of these parts instead of rendering.
-        spp: Samples a pixel; by default 64 without ``time`` and ``noise``.
-        time: Stop after so many seconds.
+        frames: Only the pictures (A, B) of a sequence, counted from 1, B not included.
+        parts: Use the samples of these parts instead of rendering.
+        spp: Samples per pixel; by default 64 without ``time`` and ``noise``.
+        time: Stop after this many seconds.
         noise: Stop at this relative standard error.
         adaptive: Take more samples where the picture is noisy.
-        samples: Render the samples (A, B) alone, as a part in ``out``.
-        checkpoint: Keep the samples in this .exr file, and go on from there.
-        seed: Chooses the noise.
-        independent: Let every pixel have paths of its own.
+        samples: Render only the samples (A, B), as a part in ``out``.
+        checkpoint: Keep the samples in this .exr file, and continue from there.
+        seed: The seed of the noise.
+        independent: Trace paths for every pixel alone.
         bounces: The most reflections of a path.
         progress: A callback ``f(done, message)``; or True for a bar of tqdm.
         cancel: A token that ends the work.
-        threads: How many threads to use; by default one a core.
+        threads: How many threads to use; by default one per core.
         allow_outside: Whether scenes may name files outside their folder.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
     """
@@ -407,7 +407,7 @@ def export(
     Args:
         results: A recovery, or the folder of one.
         scene: A scene, or the path of its file, instead of a recovery.
-        materials: Materials to put onto the groups of ``scene``, as of :func:`render`.
+        materials: Materials for the groups of ``scene``, as in :func:`render`.
         light_units: The units of a glTF file's lights.
         to: "blender", "gltf", "materialx", "mitsuba", "pbrt" or "radiance".
         out: The folder to write, or for gltf the .glb file.
@@ -445,7 +445,7 @@ class Score:
     """Recovered materials against the truth.
 
     Attributes:
-        document: What ``unrender score --json`` prints.
+        document: The output of ``unrender score --json``.
     """
 
     document: dict[str, Any]
@@ -463,7 +463,7 @@ class Score:
 
     @property
     def exceeded(self) -> list[str]:
-        """Which limits were not held, and by what."""
+        """The errors above their limits, a sentence each."""
         return list(self.document["exceeded"])
 
 
@@ -481,10 +481,10 @@ def score(
 
     Args:
         results: A recovery, its materials, the folder of results, or its materials.json.
-        truth: The true materials, likewise.
-        max_rho: The largest good error of rho_d and rho_s.
-        max_alpha_percent: The largest good error of alpha_x and alpha_y, percent.
-        max_degrees: The largest good error of the anisotropy direction, degrees.
+        truth: The true materials, in the same forms.
+        max_rho: The largest accepted error of rho_d and rho_s.
+        max_alpha_percent: The largest accepted error of alpha_x and alpha_y, percent.
+        max_degrees: The largest accepted error of the anisotropy direction, degrees.
         allow_outside: Whether materials may name files outside their folder.
         input_memory: The memory that a texture may take while it is read, GiB.
     """
@@ -505,12 +505,12 @@ def score(
 
 
 def split(results: Recovery | StrPath, *, out: StrPath, group: str | None = None) -> Path:
-    """Writes the scene with groups apart that hold two materials.
+    """Writes the scene with those groups split that contain two materials.
 
     Args:
         results: A recovery, or the folder of one.
         out: The .glb file to write.
-        group: Only this group; by default all that fall apart.
+        group: Only this group; by default all that have several materials.
 
     Returns:
         The path that was written.
@@ -527,7 +527,7 @@ def report(
     *,
     out: StrPath | None = None,
 ) -> Path:
-    """Makes the page of a recovery anew, or one that compares several.
+    """Makes the page of a recovery again, or one that compares several.
 
     Args:
         runs: A recovery, or the folder of one; or a list of several.
@@ -554,12 +554,12 @@ def _called(
     may_fail: bool = False,
     scene: _unrender.Scene | None = None,
 ) -> str:
-    """What a command printed; a ``scene`` in memory is its scene."""
+    """The output of a command; a ``scene`` in memory replaces its scene file."""
     controls: Control
     with control(progress, cancel, threads) as controls:
         text, succeeded, signalled = _unrender.call(line, controls, scene)
     if signalled:
         raise Interrupted
     if not succeeded and not may_fail:
-        raise Cancelled("the work was ended before it had a result")
+        raise Cancelled("the work was cancelled before it had a result")
     return text

@@ -1,4 +1,5 @@
-//! Pseudo-random numbers from one seed: the same on every machine, and apart for every purpose.
+//! Pseudo-random numbers from one seed: the same on every machine, and independent for every
+//! purpose.
 
 use unrender::render::sampler::mix;
 
@@ -10,7 +11,7 @@ pub(crate) struct Dice {
 }
 
 impl Dice {
-    /// The stream of `seed` for one purpose, which other purposes do not disturb.
+    /// The stream of `seed` for one purpose, independent of other purposes.
     pub(crate) fn new(seed: u64, purpose: &str) -> Self {
         let key = purpose.bytes().fold(mix(seed), |key, byte| mix(key ^ u64::from(byte)));
         Self { key, count: 0 }
@@ -52,7 +53,7 @@ impl Dice {
         low + self.index(high + 1 - low)
     }
 
-    /// One of `items`, each as likely as its weight says.
+    /// One of `items`, with probabilities in proportion to their weights.
     pub(crate) fn weighted<T: Copy>(&mut self, items: &[(T, f32)]) -> T {
         let total: f32 = items.iter().map(|item| item.1).sum();
         let mut left = self.unit() * total;
@@ -65,7 +66,7 @@ impl Dice {
         items[items.len() - 1].0
     }
 
-    /// Brings `items` into another order, all orders alike.
+    /// Shuffles `items`; all orders are equally likely.
     pub(crate) fn shuffle<T>(&mut self, items: &mut [T]) {
         for last in (1..items.len()).rev() {
             items.swap(last, self.index(last + 1));

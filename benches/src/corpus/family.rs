@@ -1,11 +1,11 @@
-//! The families of scenes, the renderers that photograph them, and what a seed decides about both.
+//! The families of scenes, the renderers that photograph them, and the choice of both by a seed.
 
 use super::dice::Dice;
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};
 use unrender::scene::{BrdfModel, WardModel};
 
-/// Whether the recovery's model can say what the scene's surfaces do.
+/// Whether the recovery's model can express the reflection of the scene's surfaces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Family {
@@ -47,10 +47,10 @@ impl Renderer {
         }
     }
 
-    /// The difference of a group's mean radiance that its picture and ours of one scene may have,
-    /// besides noise. Meshes, lobes and lights are the same; what is left is how each treats shading
-    /// normals at the edge of light and shadow. Radiance's sampling of glossy surfaces is less exact
-    /// (docs/validation/exports.md).
+    /// The difference of a group's mean radiance, besides noise, that is allowed between its picture
+    /// and ours of one scene. Meshes, lobes and lights are the same; the renderers differ in how
+    /// they treat shading normals at the boundary of light and shadow. Radiance's sampling of glossy
+    /// surfaces is less exact (docs/validation/exports.md).
     pub(crate) fn alike(self) -> f64 {
         match self {
             Self::Mitsuba | Self::Cycles => 0.01,
@@ -59,18 +59,18 @@ impl Renderer {
     }
 }
 
-/// Who photographs a scene, and which lobe is recovered.
+/// The renderer that photographs a scene, and the lobe that is recovered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Style {
     pub(crate) family: Family,
     pub(crate) renderer: Renderer,
-    /// The lobe of the in-model family; of the foreign one, the lobe that is to be found.
+    /// The lobe of the in-model family; for the foreign one, the lobe that is recovered.
     pub(crate) brdf: BrdfModel,
 }
 
-/// Shares of the renderers with their lobes: those that are exact in kind. Mitsuba's part is the
-/// largest since it alone has both lobes in any direction, and Radiance's the smallest since its
-/// pictures take the longest.
+/// Shares of the renderers with the lobes that they have exactly. Mitsuba's share is the largest
+/// since only it has both lobes in any direction, and Radiance's the smallest since its pictures
+/// take the longest.
 const IN_MODEL: [((Renderer, BrdfModel), f32); 4] = [
     ((Renderer::Mitsuba, BrdfModel::Ward(WardModel::WardGmd)), 0.4),
     ((Renderer::Mitsuba, BrdfModel::Ggx), 0.2),
@@ -78,7 +78,7 @@ const IN_MODEL: [((Renderer, BrdfModel), f32); 4] = [
     ((Renderer::Radiance, BrdfModel::Ward(WardModel::WardGmd)), 0.12),
 ];
 
-/// As [`IN_MODEL`], of the foreign family.
+/// As [`IN_MODEL`], for the foreign family.
 const FOREIGN: [((Renderer, BrdfModel), f32); 3] = [
     ((Renderer::Mitsuba, BrdfModel::Ward(WardModel::WardGmd)), 0.3),
     ((Renderer::Mitsuba, BrdfModel::Ggx), 0.3),
@@ -86,7 +86,7 @@ const FOREIGN: [((Renderer, BrdfModel), f32); 3] = [
 ];
 
 impl Style {
-    /// What `seed` decides, or the asked renderer with a lobe that it has.
+    /// The choice of `seed`, or the requested renderer with a lobe that it has.
     pub(crate) fn new(seed: u64, family: Family, asked: Option<Renderer>) -> Self {
         let table: &[((Renderer, BrdfModel), f32)] = match family {
             Family::InModel => &IN_MODEL,

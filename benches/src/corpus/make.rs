@@ -13,15 +13,15 @@ use unrender::render::Tracer;
 use unrender::scene::color::srgb_from_linear;
 use unrender::scene::{Rgb, RgbImage};
 
-/// The noise that photographs are rendered to, a pixel, relative. A camera has 0.5 to 2 %.
+/// The relative noise per pixel to which photographs are rendered. A camera has 0.5 to 2 %.
 const NOISE: f64 = 0.02;
 /// The most samples of a pixel, so that no scene takes longer than half a minute.
 const SPP_MAX: u32 = 320;
-/// The noise of the cameras at middle grey; the seed chooses.
+/// The noise of the cameras at middle grey; the seed chooses one.
 const CAMERA_NOISE: [f32; 4] = [0.0, 0.0, 0.01, 0.02];
-/// Pixels that show no lamp and are brighter than this share of all such are clipped in PNG and JPEG.
+/// The share of the pixels without lamps that is clipped in PNG and JPEG.
 const CLIPPED_SHARE: f64 = 0.01;
-/// The linear value at that share.
+/// The linear value of the pixel at that share.
 const BRIGHT: f32 = 0.9;
 const JPEG_QUALITY: u8 = 90;
 
@@ -45,7 +45,7 @@ pub(crate) fn photographs(plan: &Plan, folder: &Folder, quick: bool) -> Result<M
         return Ok(meta);
     }
     if folder.0.exists() {
-        // Of a run that was broken off, or of another scene.
+        // From an interrupted run, or from another scene.
         std::fs::remove_dir_all(&folder.0)?;
     }
     std::fs::create_dir_all(&folder.0)?;
@@ -88,7 +88,7 @@ pub(crate) fn photographs(plan: &Plan, folder: &Folder, quick: bool) -> Result<M
     Ok(meta)
 }
 
-/// The rendering that a folder keeps.
+/// The rendering in a folder.
 ///
 /// # Errors
 /// If it cannot be read.
@@ -99,7 +99,7 @@ pub(crate) fn kept(folder: &Folder, meta: &Meta) -> Result<Photograph, Failure> 
     Ok(Photograph { halves: [half(0)?, half(1)?], spp: meta.spp })
 }
 
-/// The exposure under which few pixels are clipped besides lamps.
+/// The exposure at which, besides lamps, few pixels are clipped.
 pub(crate) fn exposure(plan: &Plan, picture: &RgbImage) -> f32 {
     let scene = plan.scene();
     let geometry = Tracer::new(&scene).geometry(&plan.cameras[0], plan.size.0, plan.size.1);
@@ -114,7 +114,7 @@ pub(crate) fn exposure(plan: &Plan, picture: &RgbImage) -> f32 {
     levels.sort_by(f32::total_cmp);
     let at = ((1.0 - CLIPPED_SHARE) * levels.len() as f64) as usize;
     let bright = levels.get(at).copied().unwrap_or(1.0).max(1e-6);
-    // Two digits, so that the project file holds it.
+    // Rounded to two digits, so that the project file has the exact value.
     let scale = 10f32.powf((bright / BRIGHT).log10().floor() - 2.0);
     (bright / BRIGHT / scale).ceil() * scale
 }
@@ -151,8 +151,8 @@ fn write_models(plan: &Plan, folder: &Folder, meta: &Meta) -> Result<(), Failure
     Ok(())
 }
 
-/// Compares the photograph with our own rendering of the truth, and says where they differ; what
-/// came of it is kept.
+/// Compares the photograph with our own rendering of the truth, and prints where they differ; the
+/// result is kept.
 ///
 /// # Errors
 /// If the photograph cannot be read.
@@ -165,10 +165,10 @@ pub(crate) fn verify(plan: &Plan, folder: &Folder) -> Result<bool, Failure> {
     Ok(is_sound)
 }
 
-/// Where is kept whether a photograph is that of its truth.
+/// The file that keeps whether a photograph agrees with its truth.
 const SOUND: &str = "sound.json";
 
-/// Whether the photograph is that of the truth, by [`mod@verify`], which is done once.
+/// Whether the photograph agrees with the truth, by [`mod@verify`], which runs once.
 ///
 /// # Errors
 /// If the photograph cannot be read.

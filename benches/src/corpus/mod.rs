@@ -3,9 +3,9 @@
 //! `cargo run --release -p unrender-benches -- corpus --seeds 0..60 --family in-model --out DIR`.
 //! [`generate`] makes the scene of a seed, [`photograph`] has another renderer photograph it, [`spoil`]
 //! makes the errors of the model, [`make`] writes all files, and [`verify`] compares each photograph
-//! with our own rendering. [`recover`] runs the command under test, [`score`] compares what comes out
-//! with the truth, [`relight`] asks for other light and another viewpoint, [`several`] photographs it again from other places, [`summary`] and [`page`]
-//! say what came of it all.
+//! with our own rendering. [`recover`] runs the command under test, [`score`] compares its results with
+//! the truth, [`relight`] tests them in other light and from another viewpoint, [`several`] photographs
+//! it again from other places, [`summary`] and [`page`] report the results.
 
 mod dice;
 mod family;
@@ -35,10 +35,10 @@ use result::Scored;
 use std::time::Duration;
 use store::{Folder, Meta};
 
-/// Does what is asked.
+/// Runs `request`.
 ///
 /// # Errors
-/// If a scene fails, unless it is to go on.
+/// If a scene fails, unless `keep_going` is set.
 pub(crate) fn run(request: &CorpusRequest) -> Result<(), Failure> {
     if request.tiny {
         return tiny::make(&request.out);
@@ -73,14 +73,14 @@ pub(crate) fn run(request: &CorpusRequest) -> Result<(), Failure> {
     } else if subject.knows("--max-rung") {
         Some(subject.with(&["--max-rung", "diffuse"])?)
     } else {
-        eprintln!("the command has no --max-rung: nothing is compared with diffuse materials");
+        eprintln!("the command has no --max-rung: there is no comparison with diffuse materials");
         None
     };
     let wanted = Wanted { subject: &subject, plain: plain.as_ref(), again: request.again, relight };
     let mut runs: Vec<Scored> = Vec::new();
     each(request, |plan, folder, meta| {
         if !make::is_sound(plan, folder)? {
-            eprintln!("seed {}: its photograph is not that of its truth; left out", plan.seed);
+            eprintln!("seed {}: its photograph does not agree with its truth; left out", plan.seed);
             return Ok(());
         }
         for way in request.ways(plan) {
@@ -100,7 +100,7 @@ pub(crate) fn run(request: &CorpusRequest) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Makes the scenes that are asked for, and does something with each.
+/// Makes the requested scenes, and applies a function to each.
 fn each(
     request: &CorpusRequest,
     mut act: impl FnMut(&Plan, &Folder, &Meta) -> Result<(), Failure>,
@@ -120,7 +120,7 @@ fn each(
     Ok(())
 }
 
-/// A line of a run, and one of each group that is wrong.
+/// Prints a line for a run, and one for each wrong group.
 fn tell(scored: &Scored) {
     let (right, all) = summary::right(scored.groups.iter());
     let outcome = &scored.outcome;

@@ -1,4 +1,5 @@
-//! `docs/validation/corpus.md`: how to run the corpus, what its numbers mean, and what was measured.
+//! Writes `docs/validation/corpus.md`: how to run the corpus, the meaning of its numbers, and the
+//! measurements.
 
 use super::family::{Family, Renderer};
 use super::relight::Case;
@@ -14,7 +15,7 @@ use std::fmt::Write;
 use std::path::Path;
 use unrender::formats::atomic;
 
-/// What stands above the measurements.
+/// The text above the measurements.
 const HEAD: &str = include_str!("page_head.md");
 
 /// Marks around the measurements of a family.
@@ -233,7 +234,7 @@ fn relit(runs: &[Scored]) -> String {
     add("new viewpoint", |relit| relit.viewpoint);
     add("new light", |relit| relit.light);
     let note = if relit.iter().all(|relit| relit.light.diffuse.is_none()) {
-        "The command under test knows no `--max-rung`, so there is nothing to compare with.\n\n"
+        "The command under test has no `--max-rung`, so there is nothing to compare with.\n\n"
     } else {
         ""
     };

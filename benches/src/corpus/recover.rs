@@ -1,4 +1,4 @@
-//! The command under test, run on one project; what came of it is kept.
+//! Runs the command under test on one project, and keeps the outcome.
 
 use super::spoil::Dial;
 use super::store::{Folder, Format};
@@ -18,19 +18,19 @@ pub(crate) struct Subject {
     pub(crate) arguments: Vec<String>,
     /// A run longer than this is ended and counts as failed.
     pub(crate) limit: Duration,
-    /// Changes with the command's bytes and the arguments.
+    /// A key of the command's bytes and the arguments.
     pub(crate) key: String,
 }
 
-/// What is done with a scene.
+/// The steps for a scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wanted<'a> {
     pub(crate) subject: &'a Subject,
-    /// The command that recovers diffuse materials only, if it can, for the comparison.
+    /// The command that recovers only diffuse materials, if it can, for the comparison.
     pub(crate) plain: Option<&'a Subject>,
-    /// Recover although results are there.
+    /// Recover even if there are results.
     pub(crate) again: bool,
-    /// Ask for new light and new viewpoint.
+    /// Test in new light and from a new viewpoint.
     pub(crate) relight: bool,
 }
 
@@ -61,14 +61,14 @@ impl Subject {
         Self::new(&self.command, &arguments, self.limit)
     }
 
-    /// Whether `recover` knows a flag.
+    /// Whether `recover` has a flag.
     pub(crate) fn knows(&self, flag: &str) -> bool {
         let help = Command::new(&self.command).args(["recover", "--help"]).output();
         help.is_ok_and(|help| String::from_utf8_lossy(&help.stdout).contains(flag))
     }
 }
 
-/// What came of a run.
+/// The outcome of a run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Outcome {
     /// Seconds of the whole command.
@@ -78,7 +78,7 @@ pub(crate) struct Outcome {
     /// Global re-renderings.
     pub(crate) iterations: usize,
     pub(crate) termination: String,
-    /// The words that were added to the command.
+    /// The arguments that were added to the command.
     pub(crate) arguments: Vec<String>,
 }
 
@@ -88,7 +88,7 @@ pub(crate) fn folder(scene: &Folder, subject: &Subject, format: Format, dial: Di
     scene.path("runs").join(name)
 }
 
-/// Recovers the project of `scene`, or reads what came of it before, unless it is to be done `again`.
+/// Recovers the project of `scene`, or, unless `again` is set, reads the earlier outcome.
 ///
 /// # Errors
 /// If the command cannot be started; a run that fails is an outcome.
@@ -103,7 +103,7 @@ pub(crate) fn recover(
     Ok((folder, outcome))
 }
 
-/// Recovers `project` into `folder`, or reads what came of it before, unless it is to be done `again`.
+/// Recovers `project` into `folder`, or, unless `again` is set, reads the earlier outcome.
 ///
 /// # Errors
 /// As those of [`recover`].
@@ -134,7 +134,7 @@ pub(crate) fn recover_at(
     Ok(outcome)
 }
 
-/// Runs `command`; its seconds, and what was wrong with it if anything was.
+/// Runs `command`; returns its seconds, and the failure, if there was one.
 fn timed(command: &mut Command, limit: Duration) -> Result<(f64, Option<String>), Failure> {
     let started = Instant::now();
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?;
@@ -156,14 +156,14 @@ fn timed(command: &mut Command, limit: Duration) -> Result<(f64, Option<String>)
     }
     let mut said = String::new();
     if let Some(mut stderr) = child.stderr.take() {
-        // What cannot be read says nothing.
+        // If it cannot be read, it stays empty.
         let _ = std::io::Read::read_to_string(&mut stderr, &mut said);
     }
     let last = said.lines().last().unwrap_or_default();
     Ok((seconds, Some(format!("{status}: {last}"))))
 }
 
-/// Iterations and termination, from whichever version of `run.json` it is.
+/// Iterations and termination, from any version of `run.json`.
 fn read_run(folder: &Path, outcome: &mut Outcome) {
     let Ok(text) = std::fs::read_to_string(folder.join("run.json")) else { return };
     let Ok(run) = serde_json::from_str::<Value>(&text) else { return };

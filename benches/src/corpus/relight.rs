@@ -1,5 +1,5 @@
-//! Recovered materials under new light and from a new viewpoint, beside the other renderer's picture
-//! of the truth there; and the same of materials that were recovered as diffuse.
+//! Recovered materials under new light and from a new viewpoint, compared with the other renderer's
+//! picture of the truth; and the same for materials that were recovered as diffuse.
 
 use super::generate::Plan;
 use super::photograph::{self, SampleBudget};
@@ -14,9 +14,9 @@ use unrender::formats::picture;
 use unrender::render::Tracer;
 use unrender::scene::{Camera, RgbImage, Scene};
 
-/// The noise and the samples of the pictures that are compared with.
+/// The noise and the samples of the reference pictures.
 const BUDGET: SampleBudget = SampleBudget { noise: 0.03, spp_max: 128 };
-/// Paths of a pixel of our own pictures.
+/// Paths per pixel of our own pictures.
 const SPP: u32 = 256;
 
 /// Relative root mean square errors over a whole picture.
@@ -24,7 +24,7 @@ const SPP: u32 = 256;
 pub(crate) struct Case {
     /// With the recovered materials.
     pub(crate) recovered: f64,
-    /// With diffuse ones, where the command can be asked for them.
+    /// With diffuse ones, if the command can recover them.
     pub(crate) diffuse: Option<f64>,
 }
 
@@ -126,7 +126,7 @@ fn difference(ours: &RgbImage, truth: &RgbImage, shows_lamp: &[bool]) -> f64 {
     (squares / levels.max(1e-30)).sqrt()
 }
 
-/// Which pixels show a lamp: they are as bright whatever was recovered.
+/// Which pixels show a lamp: their brightness does not depend on the recovery.
 fn lamps(scene: &Scene, camera: &Camera, size: (usize, usize)) -> Vec<bool> {
     let geometry = Tracer::new(scene).geometry(camera, size.0, size.1);
     let is_lamp =

@@ -1,4 +1,4 @@
-//! What can be asked of the corpus.
+//! The command line of the corpus.
 
 use super::family::{Family, Renderer};
 use super::generate::Plan;
@@ -17,25 +17,25 @@ pub(crate) struct CorpusRequest {
     /// The family of the scenes.
     #[arg(long, value_enum, default_value_t = Family::InModel)]
     pub(super) family: Family,
-    /// The folder of scenes, photographs and results; what is there is kept and used.
+    /// The folder of scenes, photographs and results; existing ones are used.
     #[arg(long, value_name = "DIR")]
     pub(super) out: PathBuf,
     /// Width and height of the photographs, pixels [default: 240x180].
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<(usize, usize)>,
-    /// Small photographs of few samples, to see that all works.
+    /// Small photographs of few samples, as a trial.
     #[arg(long)]
     pub(super) quick: bool,
     /// The renderer of the photographs [default: by the seed].
     #[arg(long, value_enum)]
     pub(super) renderer: Option<Renderer>,
-    /// The photographs that are recovered from.
+    /// The formats of the photographs.
     #[arg(long, value_enum, default_value_t = Formats::BySeed)]
     formats: Formats,
     /// The errors of the model.
     #[arg(long, value_enum, default_value_t = Dials::BySeed)]
     dial: Dials,
-    /// Go on with the next scene where one fails.
+    /// Continue with the next scene if one fails.
     #[arg(long)]
     pub(super) keep_going: bool,
     /// Make the photographs and recover nothing.
@@ -53,24 +53,24 @@ pub(crate) struct CorpusRequest {
     /// The unrender command under test [default: built from this tree].
     #[arg(long, value_name = "PATH")]
     pub(super) command: Option<PathBuf>,
-    /// Further flags of its `recover`, in one word.
+    /// Further flags of its `recover`, as one argument.
     #[arg(long, value_name = "FLAGS", default_value = "", allow_hyphen_values = true)]
     pub(super) recover_args: String,
-    /// Recover although there are results of the same command with the same flags.
+    /// Recover even if there are results of the same command with the same flags.
     #[arg(long)]
     pub(super) again: bool,
-    /// Ask for new light and new viewpoint (of the foreign family this is always done).
+    /// Test in new light and from a new viewpoint (always done for the foreign family).
     #[arg(long)]
     pub(super) relight: bool,
     /// Recoveries that take longer are ended and count as failed, seconds.
     #[arg(long, value_name = "S", default_value_t = 1200)]
     pub(super) limit: u64,
-    /// The page to put the results into, such as docs/validation/corpus.md [default: printed only].
+    /// The page for the results, such as docs/validation/corpus.md [default: only printed].
     #[arg(long, value_name = "FILE")]
     pub(super) page: Option<PathBuf>,
 }
 
-/// Which photographs are recovered from.
+/// The choice of the photographs' formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Formats {
     BySeed,
@@ -80,7 +80,7 @@ enum Formats {
     Jpeg,
 }
 
-/// Which errors models have.
+/// The choice of the models' errors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Dials {
     BySeed,
@@ -102,7 +102,7 @@ impl CorpusRequest {
         self.size.unwrap_or(if self.quick { QUICK_SIZE } else { SIZE })
     }
 
-    /// The photographs and models of a scene that are recovered from.
+    /// The photographs and models with which a scene is recovered.
     pub(super) fn ways(&self, plan: &Plan) -> Vec<(Format, Dial)> {
         let formats = match self.formats {
             Formats::BySeed => vec![Format::ALL[plan.seed as usize % Format::ALL.len()]],
@@ -126,7 +126,7 @@ impl CorpusRequest {
 }
 
 fn seeds(text: &str) -> Result<Range<u64>, String> {
-    let problem = || format!("\"{text}\" is no range of seeds; write A..B, such as 0..60");
+    let problem = || format!("\"{text}\" is not a range of seeds; write A..B, such as 0..60");
     let (first, last) = text.split_once("..").ok_or_else(problem)?;
     let number = |text: &str| text.trim().parse::<u64>().map_err(|_| problem());
     let range = number(first)?..number(last)?;
@@ -134,7 +134,7 @@ fn seeds(text: &str) -> Result<Range<u64>, String> {
 }
 
 fn size(text: &str) -> Result<(usize, usize), String> {
-    let problem = || format!("\"{text}\" is no size; write WIDTHxHEIGHT, such as 240x180");
+    let problem = || format!("\"{text}\" is not a size; write WIDTHxHEIGHT, such as 240x180");
     let (width, height) = text.split_once('x').ok_or_else(problem)?;
     let number = |text: &str| text.trim().parse().ok().filter(|n| (16..=8192).contains(n));
     Ok((number(width).ok_or_else(problem)?, number(height).ok_or_else(problem)?))

@@ -12,7 +12,7 @@ use crate::Failure;
 use serde::{Deserialize, Serialize};
 use unrender::formats::atomic;
 
-/// Scores of another version are made anew.
+/// Scores of other versions are computed again.
 const VERSION: u32 = 1;
 
 /// A run, scored.
@@ -27,11 +27,11 @@ pub(crate) struct Scored {
     pub(crate) noise: f64,
     pub(crate) outcome: Outcome,
     pub(crate) groups: Vec<GroupScore>,
-    /// New light and new viewpoint, where that was asked for.
+    /// The tests in new light and from a new viewpoint, if requested.
     pub(crate) relit: Option<Relit>,
 }
 
-/// Recovers from one photograph and scores what came out; both are kept.
+/// Recovers from one photograph and scores the results; both are kept.
 ///
 /// # Errors
 /// If files cannot be read or the command cannot be started.

@@ -1,8 +1,9 @@
-//! The rooms of the corpus, photographed again: from two and four places, and twice from one with lamps switched.
+//! The rooms of the corpus, photographed again: from two and four places, and twice from one place with lamps
+//! switched.
 //!
-//! Each set of photographs is a project with `[[photos]]` beside that of the one photograph, recovered by the command
-//! under test and scored like it. How much smaller standard deviations became is the ratio for each number that both
-//! runs have under the right hypothesis.
+//! Each set of photographs is a project with `[[photos]]` beside that of the single photograph, recovered by the
+//! command under test and scored in the same way. Standard deviations are compared by their ratios for the parameters
+//! that both runs have under the right hypothesis.
 
 use super::generate::Plan;
 use super::photograph::{self, SampleBudget};
@@ -20,7 +21,8 @@ use std::path::Path;
 use unrender::formats::{atomic, picture};
 use unrender::scene::{Camera, Rgb, Scene};
 
-/// The noise that the further photographs are rendered to, and the most samples: those of the corpus.
+/// The noise to which the further photographs are rendered, and the most samples: those of the
+/// corpus.
 const BUDGET: SampleBudget = SampleBudget { noise: 0.02, spp_max: 320 };
 
 /// One of several photographs: its file, its camera, and the lamp that is off.
@@ -44,12 +46,13 @@ pub(crate) struct Row {
     pub(crate) photographs: usize,
     pub(crate) seconds: f64,
     pub(crate) groups: Vec<GroupScore>,
-    /// The median over the numbers of right groups of their standard deviation over that with one photograph.
+    /// The median, over the parameters of right groups, of the standard deviation over that with one
+    /// photograph.
     pub(crate) shrunk: Option<f64>,
     pub(crate) failure: Option<String>,
 }
 
-/// Photographs the room of `plan` again, recovers from each set by `subject`, and scores what came out.
+/// Photographs the room of `plan` again, recovers from each set by `subject`, and scores the results.
 ///
 /// # Errors
 /// If a renderer fails, or a file cannot be read or written.
@@ -79,14 +82,14 @@ pub(crate) fn run(
 }
 
 impl Row {
-    /// A line for people.
+    /// The line that is printed.
     pub(crate) fn text(&self) -> String {
         let (right, all) = summary::right(self.groups.iter());
         let (within, numbers) = summary::covered(self.groups.iter());
         let shrunk = self.shrunk.map_or("-".to_owned(), |ratio| format!("{ratio:.2}"));
         format!(
-            "{} {}: {right} of {all} right, {within} of {numbers} numbers within two deviations, deviations {shrunk} of those \
-             with one photograph, {:.1} s{}",
+            "{} {}: {right} of {all} right, {within} of {numbers} parameters within two \
+             deviations, deviations {shrunk} of those with one photograph, {:.1} s{}",
             self.seed,
             self.set,
             self.seconds,
@@ -98,10 +101,10 @@ impl Row {
 const HEAD: &str = "# Several photographs
 
 Rooms of [the corpus](corpus.md), photographed again by Mitsuba: from two and four places, and twice from one place with
-a lamp off the second time. Each set is a project with `[[photos]]`. How many groups of a room are right, and how far off,
-is said of the groups that its first photograph shows, so that the rows compare. `deviations` are the median over the
-numbers of right groups of their standard deviation over that with one photograph. The noise of each photograph, and how
-it is scored, are those of the corpus.
+a lamp off the second time. Each set is a project with `[[photos]]`. Right groups and errors are counted among the
+groups that the first photograph of a room shows, so that the rows are comparable. `deviations` is the median, over the
+parameters of right groups, of the standard deviation over that with one photograph. The noise of each photograph and
+the scores are as in the corpus.
 
 ```console
 cargo run --release -p unrender-benches -- corpus --several --seeds 881003..881006 \\
@@ -128,13 +131,13 @@ pub(crate) fn write(path: &Path, rows: &[Row]) -> Result<(), Failure> {
     let text = format!("{}\n\n{}\n{}", machine::origin(), table(rows), rooms.text());
     let name = "several";
     let before = std::fs::read_to_string(path).unwrap_or_default();
-    // What stands below the section is written by hand.
+    // The text below the section is written by hand.
     let below = before.split_once("<!-- end of several -->\n").map_or("", |(_, below)| below);
     let page = page::replace(HEAD, &before, &[name.to_owned()], name, &text);
     Ok(atomic::write(path, format!("{page}{below}").as_bytes())?)
 }
 
-/// What came out of all rooms, a line a set.
+/// The results of all rooms, a line per set.
 fn table(rows: &[Row]) -> String {
     let mut table = Table::new([
         "photographs",
@@ -171,7 +174,7 @@ fn table(rows: &[Row]) -> String {
     table.text().to_owned()
 }
 
-/// The plan's two cameras, one between them and higher, and one that is nearer to what the first looks at.
+/// The plan's two cameras, one between them and higher, and one that is nearer to the first one's target.
 fn cameras(plan: &Plan) -> Vec<Camera> {
     let [first, second] = &plan.cameras;
     let (a, b) = (first.origin(), second.origin());
@@ -259,7 +262,7 @@ fn recovered(
     let outcome = recover::recover_at(&project, &run, subject, false)?;
     let mut groups = Vec::new();
     if outcome.failure.is_none() {
-        // The score looks at the first photograph.
+        // The score uses the first photograph.
         let rerendered = run.join("rerendered_1.exr");
         if rerendered.exists() && !run.join("rerendered.exr").exists() {
             std::fs::copy(&rerendered, run.join("rerendered.exr"))?;
@@ -281,7 +284,7 @@ fn recovered(
     })
 }
 
-/// The project of a set: that of the one photograph with others in its place.
+/// The project of a set: that of the single photograph, with the set's photographs in its place.
 fn text(plan: &Plan, set: &Set) -> String {
     let one = super::store::project(plan, &plan.given(), Format::Exr, Dial::Exact, 1.0);
     let is_of_photograph =

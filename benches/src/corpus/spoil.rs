@@ -1,6 +1,6 @@
-//! What is wrong with the model or with the photograph: one dial each.
+//! The errors of the model or of the photograph: one dial each.
 //!
-//! The photograph shows the scene as it is. The model that the recovery is given has the error.
+//! The photograph shows the true scene. The model that the recovery uses has the error.
 
 use super::dice::Dice;
 use super::generate::Plan;
@@ -19,7 +19,7 @@ pub(crate) enum Dial {
     Camera,
     /// An object that the photograph shows is missing.
     Missing,
-    /// A lamp is 10 % larger than it is, and as bright.
+    /// A lamp's sides are 10 % too long, at the same radiance.
     Lamp,
     /// A box has no bevel.
     Bevel,
@@ -27,7 +27,7 @@ pub(crate) enum Dial {
 
 /// The camera's error, widths of the picture: half a pixel of 240.
 const CAMERA_SHIFT: f32 = 0.002;
-/// How much larger a lamp's sides are.
+/// The factor on the sides of a lamp.
 const LAMP_LARGER: f32 = 1.1;
 
 impl Dial {
@@ -51,7 +51,7 @@ impl Dial {
         if self == Self::Exact { "scene.glb".into() } else { format!("scene_{}.glb", self.name()) }
     }
 
-    /// The error that the seed decides: in half of the scenes none.
+    /// The error that the seed chooses: none in half of the scenes.
     pub(crate) fn of_seed(plan: &Plan) -> Self {
         let mut dice = Dice::new(plan.seed, "dial");
         if dice.chance(0.5) {
@@ -62,7 +62,7 @@ impl Dial {
         able[dice.index(able.len())]
     }
 
-    /// The model with this error; none if the scene has nothing that it could be about.
+    /// The model with this error; none if the scene has no object for it.
     pub(crate) fn spoilt(self, plan: &Plan) -> Option<Plan> {
         let mut dice = Dice::new(plan.seed, "spoilt");
         let mut plan = plan.clone();
@@ -74,7 +74,7 @@ impl Dial {
                     let group = plan.things[*index].group;
                     plan.things.iter().filter(|thing| thing.group == group).count() > 1
                 };
-                // A group keeps one of its objects; else nothing would be asked of it.
+                // A group keeps one of its objects; otherwise it could not be recovered.
                 let able: Vec<usize> = (0..plan.things.len()).filter(shared).collect();
                 if able.is_empty() {
                     return None;
@@ -97,7 +97,7 @@ impl Dial {
     }
 }
 
-/// The camera turned so that the picture moves by [`CAMERA_SHIFT`] in some direction.
+/// The camera turned so that the picture moves by [`CAMERA_SHIFT`] in a random direction.
 fn shifted(camera: &Camera, dice: &mut Dice) -> Camera {
     let width = 2.0 * (0.5 * camera.fov_y_rad).tan() * camera.aspect.unwrap_or(1.0);
     let angle = (CAMERA_SHIFT * width).atan();
@@ -128,7 +128,7 @@ pub(crate) fn with_noise(picture: &RgbImage, seed: u64, at_grey: f32, exposure: 
     })
 }
 
-/// Segments of round things in scenes of full size; a quarter of it in tiny ones.
+/// Segments of round things in scenes of full size; a quarter as many in tiny ones.
 pub(crate) fn segments(height: usize) -> u32 {
     if height >= 120 { 96 } else { 24 }
 }

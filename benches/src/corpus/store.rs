@@ -1,7 +1,8 @@
-//! What lies where: a folder for each scene, with its photographs, projects, truth and results.
+//! The folders of the corpus: one for each scene, with its photographs, projects, truth and
+//! results.
 //!
 //! `FAMILY/SEED/`: `scene.glb` and one `scene_DIAL.glb` for each model error, `photo.exr`, `.png` and
-//! `.jpg`, one project a format and dial, `truth.json`, `meta.json`, the renderings without noise
+//! `.jpg`, one project per format and dial, `truth.json`, `meta.json`, the renderings without noise
 //! (`radiance_0.exr`, `radiance_1.exr`: two halves), and `runs/`.
 
 use super::family::{Family, Renderer};
@@ -16,10 +17,10 @@ use unrender::formats::{atomic, gltf, picture};
 use unrender::recover::hypothesis::{self, Hypothesis};
 use unrender::scene::{Material, Rgb, Scene};
 
-/// What unknown groups reflect in the scenes that are recovered from.
+/// The reflectance of unknown groups in the recovery's scenes.
 const NEUTRAL: f32 = 0.5;
 
-/// How the photograph is stored.
+/// The format of the photograph's file.
 #[derive(
     Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, clap::ValueEnum,
 )]
@@ -56,17 +57,17 @@ impl Format {
     }
 }
 
-/// What is known of a scene's photograph.
+/// The description of a scene's photograph.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Meta {
-    /// The version of this corpus' scenes; others are made anew.
+    /// The version of this corpus' scenes; others are made again.
     pub(crate) version: u32,
     pub(crate) seed: u64,
     pub(crate) family: Family,
     pub(crate) renderer: Renderer,
     pub(crate) brdf: String,
     pub(crate) size: (usize, usize),
-    /// Of the scene with its true materials: what the photograph shows.
+    /// Of the scene with its true materials, which the photograph shows.
     #[serde(default)]
     pub(crate) fingerprint: String,
     /// Scene radiance of a linear pixel value of one, for PNG and JPEG.
@@ -78,7 +79,7 @@ pub(crate) struct Meta {
     pub(crate) seconds: f64,
 }
 
-/// Scenes of another version are not those that the code makes today.
+/// Scenes of other versions differ from those that the code makes now.
 pub(crate) const META_VERSION: u32 = 1;
 
 /// The folder of a scene.
@@ -86,7 +87,7 @@ pub(crate) const META_VERSION: u32 = 1;
 pub(crate) struct Folder(pub(crate) PathBuf);
 
 impl Folder {
-    /// The folder of `seed`; scenes by a renderer that was asked for have one of their own.
+    /// The folder of `seed`; scenes by a requested renderer have their own folder.
     pub(crate) fn new(out: &Path, family: Family, seed: u64, asked: Option<Renderer>) -> Self {
         let mut name = format!("{seed:04}");
         if let Some(renderer) = asked {
@@ -105,14 +106,14 @@ impl Folder {
         self.path(&format!("{}_{}.toml", format.name(), dial.name()))
     }
 
-    /// What is known of the photograph, if it is complete and of today's version.
+    /// The description of the photograph, if it is complete and of the present version.
     pub(crate) fn meta(&self) -> Option<Meta> {
         let text = std::fs::read_to_string(self.path("meta.json")).ok()?;
         let meta: Meta = serde_json::from_str(&text).ok()?;
         (meta.version == META_VERSION).then_some(meta)
     }
 
-    /// Notes that the photograph is complete.
+    /// Records that the photograph is complete.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -122,7 +123,7 @@ impl Folder {
     }
 }
 
-/// The fingerprint of a plan: another one if anything that is photographed changes.
+/// The fingerprint of a plan: it changes if anything that is photographed changes.
 ///
 /// # Errors
 /// If the scene is too large for glTF.
@@ -133,7 +134,7 @@ pub(crate) fn fingerprint(plan: &Plan) -> Result<String, Failure> {
     Ok(format!("{:016x}", hasher.finish()))
 }
 
-/// Writes a scene as it is recovered from: all that is asked for is grey.
+/// Writes the recovery's scene: all unknown materials are grey.
 ///
 /// # Errors
 /// If it cannot be written.
@@ -185,7 +186,7 @@ fn entry(material: &Material, is_given: bool) -> GroupEntry {
     }
 }
 
-/// The text of a project: photograph, exposure, and what the picture does not show.
+/// The text of a project: photograph, exposure, and the groups that the picture does not show.
 pub(crate) fn project(
     plan: &Plan,
     given: &[usize],

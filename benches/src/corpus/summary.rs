@@ -1,4 +1,4 @@
-//! The numbers of a family: what its last line says.
+//! The summary of a family: the numbers in its last line.
 
 use super::family::Family;
 use super::result::Scored;
@@ -16,7 +16,7 @@ pub(crate) fn right<'a>(groups: impl Iterator<Item = &'a GroupScore>) -> (usize,
     })
 }
 
-/// How many numbers lie within two of their standard deviations, and how many have one.
+/// How many parameters are within two of their standard deviations, and how many have one.
 pub(crate) fn covered<'a>(groups: impl Iterator<Item = &'a GroupScore>) -> (usize, usize) {
     groups
         .flat_map(|group| &group.errors.in_std)
@@ -55,7 +55,7 @@ pub(crate) mod tests {
     use super::super::store::Format;
     use super::*;
 
-    /// A run of a right and a wrong group.
+    /// A run with right and wrong groups.
     pub(crate) fn example() -> Scored {
         let group = |verdict, rho_d: f64, error: f64, status: &str| GroupScore {
             group: "wall".to_owned(),

@@ -1,7 +1,7 @@
 //! The tiny scenes of `examples/corpus`, for the tests: `corpus --tiny --out examples/corpus`.
 //!
-//! Each is the first of the seeds that has what its name says in plain view, by the renderer that is
-//! named, with few groups and small files.
+//! Each is from the first seed that shows the material of its name in plain view, by the renderer of
+//! its name, with few groups and small files.
 
 use super::family::{Family, Renderer, Style};
 use super::generate::{self, Plan};
@@ -15,7 +15,7 @@ use std::path::Path;
 use unrender::formats::{atomic, gltf, picture};
 use unrender::scene::{BrdfModel, WardModel};
 
-/// A scene that is wanted.
+/// A scene to be found.
 struct Wanted {
     name: &'static str,
     family: Family,
@@ -23,20 +23,20 @@ struct Wanted {
     brdf: BrdfModel,
     format: Format,
     size: (usize, usize),
-    /// What one of its groups is.
+    /// The property that one of its groups must have.
     shows: fn(&generate::PlannedGroup) -> bool,
 }
 
 const WARD: BrdfModel = BrdfModel::Ward(WardModel::WardGmd);
-/// Linear pictures take 12 bytes a pixel, so they are smaller.
+/// Linear pictures take 12 bytes per pixel, so they are smaller.
 const LINEAR: (usize, usize) = (80, 60);
 const CODED: (usize, usize) = (96, 72);
 /// Sides of round things.
 const SEGMENTS: u32 = 20;
-/// Pixels inside the group that the scene is for, and in all other groups, at least.
+/// The least number of pixels inside the group of the scene's name, and in all other groups.
 const SHOWN: usize = 260;
 const SEEN: usize = 60;
-/// Files are at most this large, bytes.
+/// The largest file, bytes.
 const BYTES: usize = 60_000;
 /// Groups besides lamps.
 const GROUPS: std::ops::RangeInclusive<usize> = 4..=8;
@@ -76,10 +76,10 @@ fn all() -> [Wanted; 6] {
     ]
 }
 
-/// Makes those that are not there yet.
+/// Makes the scenes that do not exist yet.
 ///
 /// # Errors
-/// If a renderer cannot be had, no seed fits, or a file cannot be written.
+/// If a renderer is not available, no seed fits, or a file cannot be written.
 pub(crate) fn make(out: &Path) -> Result<(), Failure> {
     for wanted in all() {
         let folder = Folder(out.join(wanted.name));
@@ -103,7 +103,7 @@ fn find(wanted: &Wanted) -> Result<Plan, Failure> {
             let shown = named.clone().any(|(i, group)| (wanted.shows)(group) && inner[i] >= SHOWN);
             let seen = named.filter(|(i, _)| inner[*i] >= SEEN).count();
             let small = gltf::to_glb(&plan.scene()).is_ok_and(|bytes| bytes.len() < BYTES);
-            // Of a round lamp's triangles, Cycles draws many on the far side, which is noise.
+            // Cycles samples many triangles on the far side of a round lamp, which causes noise.
             let quiet = renderer != Renderer::Cycles
                 || plan.lights.lamps.iter().all(|lamp| lamp.ball.is_none());
             quiet && shown && seen + 1 >= plan.groups.len() && small
@@ -117,7 +117,7 @@ fn find(wanted: &Wanted) -> Result<Plan, Failure> {
 
 fn write(wanted: &Wanted, plan: &Plan, folder: &Folder) -> Result<(), Failure> {
     let work = std::env::temp_dir().join(format!("unrender-corpus-{}", std::process::id()));
-    // Radiance takes minutes for what the others do in seconds.
+    // Radiance takes minutes where the others take seconds.
     let is_slow = plan.style.renderer == Renderer::Radiance;
     let budget = if is_slow { SampleBudget { noise: 0.02, spp_max: 256 } } else { BUDGET };
     let (scene, renderer) = (plan.scene(), plan.style.renderer);
@@ -128,7 +128,7 @@ fn write(wanted: &Wanted, plan: &Plan, folder: &Folder) -> Result<(), Failure> {
     eprintln!("{}: seed {}, {noise:.1} % noise, {} spp", wanted.name, plan.seed, taken.spp);
     rows.iter().for_each(|row| eprintln!("  {}", row.text()));
     if wanted.family == Family::InModel && rows.iter().any(verify::Row::is_off) {
-        return Err(format!("{}: the photograph is not that of its truth", wanted.name).into());
+        return Err(format!("{}: the photograph does not agree with its truth", wanted.name).into());
     }
     let radiance = taken.mean();
     let exposure = make::exposure(plan, &radiance);

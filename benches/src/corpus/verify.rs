@@ -1,14 +1,14 @@
-//! Whether a photograph shows what the truth says: our own rendering with the true materials beside
-//! it, group by group.
+//! Checks whether a photograph agrees with the truth: compares it with our own rendering with the
+//! true materials, group by group.
 
 use super::generate::Plan;
 use super::photograph::Photograph;
 use unrender::render::{Settings, Tracer};
 use unrender::scene::{Rgb, RgbImage};
 
-/// Paths of a pixel of our own rendering: at 43 200 pixels three seconds on two cores.
+/// Paths per pixel of our own rendering: three seconds at 43 200 pixels on two cores.
 const SPP: u32 = 256;
-/// Paths of a pixel of the command's last picture.
+/// Paths per pixel of the command's last picture.
 const RERENDERED_SPP: u32 = 64;
 /// Groups of fewer inner pixels are not compared.
 const LEAST: usize = 40;
@@ -45,7 +45,7 @@ impl Row {
         )
     }
 
-    /// Whether noise does not explain the difference.
+    /// Whether noise cannot explain the difference.
     pub(crate) fn is_off(&self) -> bool {
         self.difference.abs() > self.alike && self.difference.abs() > SIGMAS * self.deviation
     }
@@ -67,8 +67,8 @@ pub(crate) fn ours(plan: &Plan, spp: u32) -> Photograph {
     Photograph { halves: [half(7001), half(7002)], spp }
 }
 
-/// Our rendering of the plan with its true materials by as many paths as the command's last picture
-/// has by default.
+/// Our rendering of the plan with its true materials, with as many paths as the command's last
+/// picture has by default.
 pub(crate) fn once(plan: &Plan) -> RgbImage {
     let scene = plan.scene();
     let settings = Settings { spp: RERENDERED_SPP, seed: 7003, ..Settings::default() };
@@ -76,7 +76,7 @@ pub(crate) fn once(plan: &Plan) -> RgbImage {
     Tracer::new(&scene).render(&scene.materials(), camera, plan.size, &settings, &|_| {}).mean
 }
 
-/// A row for each group that the picture shows enough of.
+/// A row for each group with enough pixels.
 pub(crate) fn compare(plan: &Plan, photograph: &Photograph) -> Vec<Row> {
     let scene = plan.scene();
     let ours = ours(plan, SPP);
@@ -100,7 +100,7 @@ pub(crate) fn compare(plan: &Plan, photograph: &Photograph) -> Vec<Row> {
         let level = (our_mean.element_sum() / 3.0).max(1e-12);
         let off = (their_mean - our_mean) / level;
         let channel = off.abs().max_position();
-        // Halves differ by twice the deviation of their mean, as two numbers do.
+        // The difference of the halves has twice the standard deviation of their mean.
         let noise = |photograph: &Photograph| {
             let [a, b] = &photograph.halves;
             let square = |&i: &usize| {

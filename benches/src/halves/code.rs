@@ -1,10 +1,10 @@
-//! The constants of the recovery in its code, and the code with another value.
+//! Finds the constants of the recovery in its code, and replaces their values there.
 
 use crate::{Failure, root};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Where the recovery is.
+/// The folder of the recovery.
 const CODE: &str = "crates/recover/src";
 
 /// A constant whose value is one number.
@@ -18,14 +18,14 @@ pub(super) struct Constant {
 }
 
 impl Constant {
-    /// Whether `name` is its name, or that of its file and its name.
+    /// Whether `name` is its name, or its file and its name.
     pub(super) fn is_called(&self, name: &str) -> bool {
         let (file, name) = name.rsplit_once("::").map_or((None, name), |(f, n)| (Some(f), n));
         let stem = self.file.file_stem().and_then(|stem| stem.to_str());
         self.name == name && (file.is_none() || file == stem)
     }
 
-    /// The number times `factor`, as code; a whole number is at least one. None where that changes nothing.
+    /// The number times `factor`, as code; a whole number is at least one. None if that changes nothing.
     fn times(&self, factor: f64) -> Option<String> {
         let number: f64 = self.value.replace('_', "").parse().ok()?;
         let value = number * factor;
@@ -39,7 +39,7 @@ impl Constant {
     /// The `text` of its file with `factor` times its value.
     ///
     /// # Errors
-    /// If that is the same, or it is not there.
+    /// If the value is the same, or the constant is not there.
     pub(super) fn changed(&self, text: &str, factor: f64) -> Result<String, Failure> {
         let Self { name, kind, value, .. } = self;
         let other = self.times(factor).ok_or("the same value")?;
@@ -74,7 +74,7 @@ pub(super) fn constants() -> Result<Vec<Constant>, Failure> {
     Ok(all)
 }
 
-/// Those of the part of the file `text` that ships.
+/// Those of the file `text`, without its tests.
 fn constants_of(file: &Path, text: &str) -> Vec<Constant> {
     let product = text.split("#[cfg(test)]").next().unwrap_or_default();
     let constant = |line: &str| {
@@ -118,7 +118,7 @@ mod tests {
         let half = all[0].changed(TEXT, 0.5).unwrap();
         assert!(half.contains("pub(crate) const A: f64 = 0.25;"), "{half}");
         assert!(all[1].changed(TEXT, 2.0).unwrap().contains("const B: usize = 2400;"));
-        // Half of one is no other whole number.
+        // Half of one is not another whole number.
         assert!(all[2].changed(TEXT, 0.5).is_err());
         assert!(all[2].changed("", 2.0).is_err());
     }

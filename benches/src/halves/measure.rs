@@ -1,4 +1,4 @@
-//! The code with another value, built, and what it makes of the tiny scenes.
+//! Builds the code with another value, and recovers the tiny scenes with it.
 
 use super::code::Constant;
 use crate::{Failure, peers, root, statistics};
@@ -8,19 +8,19 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-/// A copy of the code, with a target folder of its own.
+/// A copy of the code, with its own target folder.
 pub(super) struct Bench {
     tree: PathBuf,
     scenes: Vec<PathBuf>,
     seeds: u64,
 }
 
-/// What came of all scenes under all seeds.
+/// The outcome of all scenes with all seeds.
 #[derive(Debug)]
 pub(super) struct Outcome {
     right: usize,
     counted: usize,
-    /// Of the error of rho_d, the median over the right groups.
+    /// The median error of rho_d over the right groups.
     rho_d: f64,
     seconds: f64,
 }
@@ -33,7 +33,7 @@ impl fmt::Display for Outcome {
 }
 
 impl Bench {
-    /// Copies what Git knows of the code.
+    /// Copies the code's files that Git tracks.
     ///
     /// # Errors
     /// If that fails.
@@ -57,10 +57,10 @@ impl Bench {
         Ok(Self { tree, scenes, seeds })
     }
 
-    /// The outcome with so many times the value of a constant; afterwards the copy is as it was.
+    /// The outcome with the value of a constant times a factor; afterwards the copy is as before.
     ///
     /// # Errors
-    /// If the value cannot be had, or the code with it cannot be built. Scenes that it recovers nothing of count as
+    /// If the value cannot be set, or the code with it cannot be built. Scenes that cannot be recovered count as
     /// wrong.
     pub(super) fn measure(&self, change: Option<(&Constant, f64)>) -> Result<Outcome, Failure> {
         let Some((constant, factor)) = change else { return self.recovered(&self.built()?) };
@@ -92,7 +92,7 @@ impl Bench {
                 let mut recover = Command::new(command);
                 recover.arg("recover").arg(scene.join("project.toml")).arg("--out").arg(&out);
                 recover.args(["--quiet", "--spp", "2", "--seed", &seed.to_string()]);
-                // What is not recovered is wrong: the score says so.
+                // Scenes that are not recovered are wrong by the score.
                 let _ = peers::said(&mut recover);
                 let mut score = Command::new(command);
                 score.arg("score").arg(&out).arg(scene.join("truth.json")).arg("--json");
@@ -120,7 +120,7 @@ impl Bench {
     }
 }
 
-/// Whether two files hold the same, so that the build need not look at the copy again.
+/// Whether two files are equal: then the copy is kept, so that it is not built again.
 fn is_alike(a: &Path, b: &Path) -> bool {
     match (std::fs::read(a), std::fs::read(b)) {
         (Ok(a), Ok(b)) => a == b,

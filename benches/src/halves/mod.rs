@@ -1,7 +1,8 @@
-//! What half and double of a constant of the recovery do: `cargo run --release -p unrender-benches -- halves NAMES`.
+//! Measures the effect of half and double of a constant of the recovery: `cargo run --release -p unrender-benches --
+//! halves NAMES`.
 //!
 //! [`code`] finds the constants in the code and writes other values into a copy of it, [`measure`] builds that copy and
-//! recovers the tiny scenes of `examples/corpus` with it, and [`page`] puts a row for each constant onto
+//! recovers the tiny scenes of `examples/corpus` with it, and [`page`] writes a row for each constant into
 //! `docs/validation/halves.md`. Rows of other constants stay: a constant takes about three minutes.
 
 mod code;
@@ -24,7 +25,7 @@ pub(crate) struct HalvesRequest {
     /// The constants, by name, or by file and name where files share one [default: all of crates/recover
     /// whose value is one number].
     names: Vec<String>,
-    /// Recover every scene with so many seeds.
+    /// Recover every scene with this many seeds.
     #[arg(long, value_name = "N", default_value_t = 2,
         value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
@@ -33,10 +34,10 @@ pub(crate) struct HalvesRequest {
     out: Option<PathBuf>,
 }
 
-/// Measures one constant after the other; each has its row at once.
+/// Measures one constant after the other; its row is written at once.
 ///
 /// # Errors
-/// If a constant is not known, or the code as it is cannot be built or recovers nothing.
+/// If a constant is unknown, or the unchanged code cannot be built or recovers nothing.
 pub(crate) fn run(request: &HalvesRequest) -> Result<(), Failure> {
     let all = code::constants()?;
     let chosen: Vec<&Constant> = match request.names.as_slice() {
@@ -59,7 +60,7 @@ pub(crate) fn run(request: &HalvesRequest) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The one called `name`.
+/// The constant called `name`.
 fn one<'a>(all: &'a [Constant], name: &str) -> Result<&'a Constant, Failure> {
     let found: Vec<&Constant> = all.iter().filter(|constant| constant.is_called(name)).collect();
     match found.as_slice() {

@@ -1,4 +1,4 @@
-//! `halves.md`: a row a constant.
+//! Writes `halves.md`, a row per constant.
 
 use super::code::Constant;
 use super::measure::Outcome;
@@ -11,10 +11,10 @@ const FILE: &str = "halves.md";
 
 const HEAD: &str = "# Half and double of the constants
 
-What half and double of the recovery's constants make of the six tiny scenes of `examples/corpus`, which other
+The effect of half and double of the recovery's constants on the six tiny scenes of `examples/corpus`, which other
 renderers photographed. Each cell: how many groups have the right hypothesis, the median error of their rho_d, and the
-seconds of all recoveries. The scenes are small, so that a row takes minutes: what does not show here may show in a room.
-What the constants are is in [their list](../constants.md). Written by
+seconds of all recoveries. The scenes are small, so that a row takes minutes: an effect that does not show here may show
+in a room. The constants are described in [their list](../constants.md). Written by
 
 ```console
 cargo run --release -p unrender-benches -- halves NAMES
@@ -22,7 +22,7 @@ cargo run --release -p unrender-benches -- halves NAMES
 
 ";
 
-/// Puts the row of `constant` onto the page in `folder`; those of others stay.
+/// Writes the row of `constant` into the page in `folder`; those of others stay.
 ///
 /// # Errors
 /// If it cannot be written.

@@ -1,4 +1,4 @@
-//! The scenes by name, and how each is loaded.
+//! The scenes by name, and how they are loaded.
 
 use super::made::{self, Make};
 use super::measure::Shot;
@@ -9,25 +9,25 @@ use unrender::formats::materials;
 use unrender::scene::Scene;
 use unrender::{Job, Project};
 
-/// Pictures are as large as fits into so many pixels across and down. At half of it small groups are not seen, at
-/// double a scene takes four times as long and says the same.
+/// Pictures are as large as fits into this width and height, pixels. At half of it small groups are not seen, at
+/// double a scene takes four times as long for the same result.
 const FITS: (usize, usize) = (240, 180);
 /// The project file and the truth of a scene of the corpus.
 const OF_CORPUS: [&str; 2] = ["exr_exact.toml", "truth.json"];
 
-/// A scene that can be asked for.
+/// A scene that can be requested.
 #[derive(Clone, Debug)]
 pub(crate) struct Case {
-    /// What it is called.
+    /// Its name.
     pub(crate) name: String,
     source: Source,
 }
 
-/// Where a scene comes from.
+/// The source of a scene.
 #[derive(Clone, Debug)]
 enum Source {
-    /// A project, and the file of its true materials. Without one the materials are those of the scene's file: of
-    /// `examples/hall` no truth is kept, and its groups are all of the same grey, as a modeller leaves them.
+    /// A project, and the file of its true materials. Without a truth the materials are those of the scene's
+    /// file: `examples/hall` has none, and all its groups have the same grey, the default of a modeller.
     Project { project: PathBuf, truth: Option<PathBuf> },
     /// Code.
     Made(Make),
@@ -57,8 +57,8 @@ pub(crate) fn all(corpus: Option<&Path>) -> Result<Vec<Case>, Failure> {
             let folder = folder.display();
             let [project, truth] = OF_CORPUS;
             return Err(format!(
-                "--corpus: no folder in {folder} has a {project} and a {truth}; give the folder that the scenes \
-                 of the corpus lie in"
+                "--corpus: no folder in {folder} has a {project} and a {truth}; give the folder of \
+                 the corpus's scenes"
             )
             .into());
         }
@@ -75,7 +75,7 @@ pub(crate) fn all(corpus: Option<&Path>) -> Result<Vec<Case>, Failure> {
 /// Those of `cases` that are `named`, each once, in the order of the names; all if none is.
 ///
 /// # Errors
-/// If a name is that of no scene.
+/// If there is no scene of a name.
 pub(crate) fn choose(cases: Vec<Case>, named: &[String]) -> Result<Vec<Case>, Failure> {
     if named.is_empty() {
         return Ok(cases);
@@ -101,7 +101,7 @@ impl Case {
     /// The scene with its true materials.
     ///
     /// # Errors
-    /// If a file cannot be read, or what it says not be used.
+    /// If a file cannot be read, or its contents cannot be used.
     pub(crate) fn load(&self) -> Result<Shot, Failure> {
         match &self.source {
             Source::Made(make) => made_shot(make()?),
@@ -135,7 +135,7 @@ fn fitted((width, height): (usize, usize)) -> (usize, usize) {
     (scaled(width), scaled(height))
 }
 
-/// The scene of a folder with these files; none if there is no project. A truth that is not there is none.
+/// The scene of a folder with these files; none if there is no project. The truth may be missing.
 fn of_project(name: &str, folder: &Path, [project, truth]: [&str; 2]) -> Option<Case> {
     let there = |file: &str| Some(folder.join(file)).filter(|path| path.is_file());
     let source = Source::Project { project: there(project)?, truth: there(truth) };
@@ -158,7 +158,7 @@ fn of_folder(folder: &Path, files: [&str; 2]) -> Result<Vec<Case>, Failure> {
     Ok(cases)
 }
 
-/// The name of two of `cases`, if there is one.
+/// A name that two of `cases` have, if there is one.
 fn twice(cases: &[Case]) -> Option<&str> {
     let is_earlier = |(index, case): &(usize, &Case)| {
         cases[..*index].iter().any(|other| other.name == case.name)

@@ -1,4 +1,4 @@
-//! Now beside an earlier run.
+//! Compares the present run with an earlier one.
 
 use super::measure::SceneNoise;
 use super::record::Record;
@@ -13,25 +13,25 @@ pub(super) struct Before {
     record: Record,
 }
 
-/// Quotients of two sets of pixels; none where one of them has no noise, or no light.
+/// Quotients for one set of pixels in two runs; none if one of them has no noise, or no light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Quotients {
     /// The mean radiance now over that before.
     pub(super) mean: Option<f64>,
     /// Variance times seconds before over that now.
     pub(super) efficiency: Option<f64>,
-    /// The same of the robust noise.
+    /// The same for the robust noise.
     pub(super) robust: Option<f64>,
 }
 
-/// A scene now beside the same scene before.
+/// A scene now compared with the same scene before.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Compared {
-    /// Of all pixels that count.
+    /// Of all pixels that are used.
     pub(super) picture: Quotients,
     /// Of each group that has a row now; none for those that had no row before.
     pub(super) groups: Vec<Option<Quotients>>,
-    /// Paths a second now over those before.
+    /// Paths per second now over those before.
     pub(super) speed: f64,
 }
 
@@ -39,18 +39,18 @@ impl Before {
     /// Reads the file of an earlier run.
     ///
     /// # Errors
-    /// If it cannot be read, or is none.
+    /// If it cannot be read, or is not one.
     pub(super) fn read(file: &Path) -> Result<Self, Failure> {
         Ok(Self { file: file.to_owned(), record: Record::read(file)? })
     }
 
-    /// What is compared with, in a sentence.
+    /// A sentence about the earlier run.
     pub(super) fn sentence(&self) -> String {
         format!("compared with {}. {}", self.file.display(), self.record.measured)
     }
 
-    /// The scene called `name`, measured `now`, beside what the file says of it; none if it says nothing, or
-    /// something of pictures of another size.
+    /// The scene called `name`, measured `now`, compared with the file's entry; none if there is none, or if
+    /// its pictures have another size.
     pub(super) fn compare(&self, name: &str, now: &SceneNoise) -> Option<Compared> {
         let before = self.record.scenes.get(name).filter(|before| before.size == now.size)?;
         Some(Compared::of(before, now))
@@ -84,7 +84,7 @@ impl Compared {
         }
     }
 
-    /// The geometric means of the efficiencies of all groups, and of those by the robust noise.
+    /// The geometric means over the groups of their efficiencies, and of those by the robust noise.
     pub(super) fn of_groups(&self) -> [Option<f64>; 2] {
         let groups = || self.groups.iter().flatten();
         let mean = |values: Vec<f64>| Some(geometric_mean(values)).filter(|mean| !mean.is_nan());
@@ -120,7 +120,7 @@ pub(super) mod tests {
         Noise { pixels: 1234, mean: 0.5, rms, robust, worst: 0.25 }
     }
 
-    /// A scene whose groups are called by letters, with the rms of each; half of it is robust.
+    /// A scene with these `groups` and the rms of each; the robust noise is half of it.
     pub(in super::super) fn scene(seconds: f64, groups: &[(&str, f64)]) -> SceneNoise {
         let group = |&(name, rms): &(&str, f64)| GroupNoise {
             name: name.to_owned(),

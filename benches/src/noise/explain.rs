@@ -1,23 +1,23 @@
-//! Which kinds of paths a scene's noise comes from.
+//! Finds the kinds of paths that cause a scene's noise.
 
 use super::measure::{Paths, Pictures, Shot};
 use std::collections::BTreeMap;
 use unrender::render::BrightPath;
 
-/// A path is bright from so many times the mean radiance of the picture on. At 64 paths a pixel it changes its pixel
-/// by a third of the mean, which is seen. At half of it there are several times as many, and most are no trouble; at
-/// double much of the noise of pictures without caustics is left without a name.
+/// A path is bright from this many times the mean radiance of the picture on. At 64 paths per pixel it changes its
+/// pixel by a third of the mean, which is visible. At half of it there are several times as many, most of them
+/// harmless; at double much of the noise of pictures without caustics is unexplained.
 const BRIGHT: f64 = 20.0;
-/// So many kinds have a line. At half of them the rest is often more than a tenth of the variance, at double the
-/// lines are mostly of long paths with a thousandth each.
+/// The number of kinds that have a line. At half of it the rest is often more than a tenth of the variance, at
+/// double most lines are of long paths with a thousandth each.
 const KINDS: usize = 8;
 
 /// A bright path.
 struct Found {
     pixel: usize,
-    /// What it adds to its sample, mean of the channels.
+    /// Its contribution to its sample, the mean of the channels.
     radiance: f64,
-    /// What happened along it, a letter each.
+    /// The events along it, a letter each.
     letters: String,
 }
 
@@ -28,18 +28,18 @@ impl From<BrightPath> for Found {
     }
 }
 
-/// The bright paths of one kind, of both pictures.
+/// The bright paths of one kind in both pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Kind {
     letters: String,
     paths: usize,
     /// The largest radiance of a path.
     worst: f64,
-    /// Its share of the variance of all pixels that count.
+    /// Its share of the variance of all pixels that are used.
     share: f64,
 }
 
-/// The lines about a scene of which `pictures` were rendered.
+/// The lines about a scene whose `pictures` were rendered.
 pub(super) fn lines(shot: &Shot, paths: Paths, pictures: &Pictures) -> Vec<String> {
     let counts = |pixel: usize| pictures.group_of[pixel].is_some();
     let difference = |(pixel, [a, b]): (usize, &[f64; 2])| if counts(pixel) { a - b } else { 0.0 };
@@ -55,11 +55,12 @@ pub(super) fn lines(shot: &Shot, paths: Paths, pictures: &Pictures) -> Vec<Strin
     text(&kinds(&both, &differences, paths.spp), mean)
 }
 
-/// The kinds of the paths of both pictures, that of the largest share of the variance first.
+/// The kinds of the paths of both pictures, in order of decreasing shares of the variance.
 ///
-/// With `a - b` the difference of the two pictures in a pixel, and `c` that of what a kind of path contributes to
-/// it, the share of the kind is its covariance: the sum of `c (a - b)` over the sum of `(a - b)^2`. The shares of all
-/// paths, bright or not, sum to one. What both pictures find alike, like the image of a lamp in a mirror, has none.
+/// With `a - b` the difference of the two pictures in a pixel, and `c` the difference of the contributions of a kind
+/// of path to it, the share of the kind is its covariance: the sum of `c (a - b)` over the sum of `(a - b)^2`. The
+/// shares of all paths, bright or not, sum to one. Paths that contribute equally to both pictures, like the image of
+/// a lamp in a mirror, have none.
 fn kinds(both: &[Vec<Found>; 2], differences: &[f64], spp: u32) -> Vec<Kind> {
     let variance: f64 = differences.iter().map(|d| d * d).sum();
     let mut kinds: BTreeMap<&str, Kind> = BTreeMap::new();
@@ -112,7 +113,7 @@ fn text(kinds: &[Kind], mean: f64) -> Vec<String> {
     lines
 }
 
-/// Letters with spaces between.
+/// The letters, separated by spaces.
 fn spaced(letters: &str) -> String {
     let letters: Vec<String> = letters.chars().map(String::from).collect();
     letters.join(" ")
@@ -128,8 +129,8 @@ mod tests {
 
     #[test]
     fn a_path_that_one_picture_found_has_the_variance() {
-        // Four samples a pixel. In the first pixel one picture found a caustic of 40, in the second both found the
-        // image of a lamp; in the third one is 1 brighter by paths that are not bright.
+        // Four samples per pixel. In the first pixel one picture found a caustic of 40, in the second both found
+        // the image of a lamp; in the third one picture is 1 brighter by paths that are not bright.
         let both = [
             vec![found(0, 40.0, "DML"), found(1, 80.0, "ML")],
             vec![found(1, 80.0, "ML"), found(1, 8.0, "l")],

@@ -1,5 +1,5 @@
-//! Four scenes that are hard for a path tracer which goes from the camera to the lights. Each is the smallest of its
-//! kind: what is hard is all that there is.
+//! Four scenes that are hard for a path tracer that starts at the camera. Each is the smallest of its kind, with
+//! nothing but the difficulty.
 
 use super::stage::{Room, Side, Stage, at, panel};
 use crate::corpus::generate::shapes::{cuboid, placed, vase};
@@ -11,7 +11,7 @@ use unrender::scene::{
 /// Width and height of the pictures, pixels: the smallest in which every group has some hundred pixels.
 pub(super) const SIZE: (usize, usize) = (160, 120);
 
-/// How a scene is made.
+/// A function that makes a scene.
 pub(super) type Make = fn() -> Result<Scene, EnvironmentError>;
 
 /// All scenes, by name.
@@ -24,11 +24,12 @@ pub(super) const ALL: [(&str, Make); 4] = [
 
 /// A room of 3 x 3 x 2.5 m.
 const ROOM: Room = Room { low: Vec3::new(-1.5, 0.0, -1.5), high: Vec3::new(1.5, 2.5, 1.5) };
-/// How far before a wall a panel hangs, metres: more than rays leave a surface by, less than is seen.
+/// The distance of a panel from its wall, metres: more than the offset of rays from surfaces, less
+/// than is visible.
 const BEFORE_WALL: f32 = 0.01;
 
-/// A bulb between two mirrors: light comes to every wall from the bulb and from a row of its images, which only
-/// rays that leave a wall by chance towards one of them find.
+/// A bulb between two mirrors: light reaches every wall from the bulb and from a row of its images, which rays
+/// from a wall hit only by chance.
 fn facing_mirrors() -> Result<Scene, EnvironmentError> {
     let mut stage = Stage::default();
     shell(&mut stage, ROOM.sides(&[Side::Left, Side::Right, Side::Back, Side::Front]));
@@ -45,8 +46,8 @@ fn facing_mirrors() -> Result<Scene, EnvironmentError> {
     Ok(stage.seen(Vec3::new(0.9, 1.6, 1.4), Vec3::new(-0.3, 1.0, -1.0), 1.3))
 }
 
-/// A ball and a vase that mirror a point light and a little sky onto the table: curved mirrors have no images to aim
-/// at, and no ray can hit a point.
+/// A ball and a vase that mirror a point light and a dim sky onto the table: curved mirrors have no images to
+/// sample, and no ray can hit a point.
 fn ball_and_vase() -> Result<Scene, EnvironmentError> {
     let mut stage = Stage::default();
     let table = panel(Vec3::ZERO, 0.8 * Vec3::Z, 0.8 * Vec3::X);
@@ -58,14 +59,14 @@ fn ball_and_vase() -> Result<Scene, EnvironmentError> {
     stage.add("vase", glazed, placed(&turned, at(Vec3::new(0.22, 0.0, -0.05), 0.0)));
     let position = Vec3::new(0.35, 1.2, 0.6);
     stage.light("bulb", LightKind::Point { position, intensity: Rgb::splat(10.0) });
-    // A sky that is four times as bright on one side, where a window would be.
+    // A sky that is four times as bright on one side, like a window.
     let sky = |x: usize, _| Rgb::splat(if x < 2 { 0.4 } else { 0.1 });
     stage.scene.environment = Some(Environment::new(RgbImage::from_fn(8, 4, sky), 0.0)?);
     Ok(stage.seen(Vec3::new(0.1, 0.75, 1.2), Vec3::new(0.0, 0.1, 0.0), 0.75))
 }
 
-/// A polished floor under a spot light: its lobe is so narrow that walls see the light in it only by chance, and so
-/// wide that it is no mirror.
+/// A polished floor under a spot light: its lobe is so narrow that rays from walls find the light in it only by
+/// chance, but too wide for a mirror.
 fn sharp_floor() -> Result<Scene, EnvironmentError> {
     let mut stage = Stage::default();
     let polished = Material::isotropic(Rgb::splat(0.3), Rgb::splat(0.3), 0.02);
@@ -89,8 +90,8 @@ fn sharp_floor() -> Result<Scene, EnvironmentError> {
     Ok(stage.seen(Vec3::new(0.9, 1.5, 1.4), Vec3::new(-0.2, 0.5, -0.8), 1.2))
 }
 
-/// Sun through a window, onto the floor and onto a mirror there, which throws it on a wall: no ray from the wall can
-/// hit the sun, and no light sample sees it in the mirror.
+/// Sun through a window, onto the floor and onto a mirror there, which reflects it to a wall: no ray from the wall
+/// can hit the sun, and no light sample finds it in the mirror.
 fn sun_on_mirror() -> Result<Scene, EnvironmentError> {
     let mut stage = Stage::default();
     // The wall opens from z = -0.6 to 0.4 and from y = 0.9 to 2.
@@ -107,7 +108,7 @@ fn sun_on_mirror() -> Result<Scene, EnvironmentError> {
     Ok(stage.seen(Vec3::new(1.2, 1.7, 1.4), Vec3::new(-0.5, 0.7, -0.7), 1.2))
 }
 
-/// Floor, ceiling and `walls` of paint.
+/// Floor, ceiling and `walls`, all diffuse.
 fn shell(stage: &mut Stage, walls: Mesh) {
     stage.add("floor", diffuse(0.5, 0.45, 0.4), ROOM.sides(&[Side::Floor]));
     stage.add("ceiling", diffuse(0.75, 0.75, 0.75), ROOM.sides(&[Side::Ceiling]));

@@ -1,4 +1,4 @@
-//! One scene, rendered twice.
+//! Renders one scene twice, and measures the noise.
 
 use super::statistics::Noise;
 use crate::Failure;
@@ -7,28 +7,28 @@ use std::time::Instant;
 use unrender::render::{Integrator, NOTHING, Settings, Tracer};
 use unrender::scene::{Camera, RgbImage, Scene};
 
-/// Groups of fewer pixels have no row of their own. At half of it the noise of a group is known to a tenth only, at
-/// double many things in pictures of this size have none.
+/// Groups of fewer pixels have no row. At half of it the noise of a group is known only to a tenth, at double many
+/// things in pictures of this size have no row.
 const LEAST: usize = 100;
-/// Each pixel is looked at in so many parts across and down, to see whether one shows a lamp. The edge of a lamp
+/// Each pixel is divided into this many parts across and down, to find lamps in a part of it: the edge of a lamp
 /// within a pixel is noise of the camera's samples, not of the light. At half of it thin edges are missed, at double
 /// no more pixels are found.
 const PARTS: usize = 4;
 
-/// A scene with its true materials, and the camera that looks at it.
+/// A scene with its true materials, and its camera.
 pub(crate) struct Shot {
     /// The scene.
     pub(crate) scene: Scene,
-    /// Who looks.
+    /// The camera.
     pub(crate) camera: Camera,
     /// Width and height of the picture, pixels.
     pub(crate) size: (usize, usize),
 }
 
-/// How many paths a pixel has, and which.
+/// The number of paths of a pixel, and their seed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Paths {
-    /// Paths a pixel.
+    /// Paths per pixel.
     pub(super) spp: u32,
     /// The seed of both pictures.
     pub(super) seed: u64,
@@ -52,15 +52,15 @@ impl Paths {
 pub(super) struct SceneNoise {
     /// Width and height of the pictures, pixels.
     pub(super) size: [usize; 2],
-    /// Paths a pixel.
+    /// Paths per pixel.
     pub(super) spp: u32,
     /// The seed of both pictures.
     pub(super) seed: u64,
     /// Seconds of one rendering, the mean of both.
     pub(super) seconds: f64,
-    /// All pixels that count.
+    /// Of all pixels that are used.
     pub(super) picture: Noise,
-    /// The groups that are seen well, in the scene's order.
+    /// The groups with enough pixels, in the scene's order.
     pub(super) groups: Vec<GroupNoise>,
 }
 
@@ -74,25 +74,25 @@ pub(super) struct GroupNoise {
 }
 
 impl SceneNoise {
-    /// Paths from the camera a second.
+    /// Paths from the camera per second.
     pub(super) fn speed(&self) -> f64 {
         let [width, height] = self.size;
         (width * height) as f64 * f64::from(self.spp) / self.seconds
     }
 }
 
-/// What is left of the pictures to ask more of.
+/// The data of both pictures for further questions.
 pub(super) struct Pictures {
     /// The scene, prepared.
     pub(super) tracer: Tracer,
-    /// The group of each pixel that counts.
+    /// The group of each pixel that is used.
     pub(super) group_of: Vec<Option<usize>>,
     /// The value of each pixel in both pictures.
     pub(super) values: Vec<[f64; 2]>,
 }
 
-/// Renders a scene twice. A pixel's value is the mean of the three channels: a recovery fits all three alike, and
-/// luminance would hide what happens to blue light.
+/// Renders a scene twice. A pixel's value is the mean of the three channels: a recovery fits all three equally,
+/// and luminance would hide the noise of blue light.
 ///
 /// # Errors
 /// If the scene cannot be rendered.
@@ -125,12 +125,12 @@ pub(super) fn measure(shot: &Shot, paths: Paths) -> Result<(SceneNoise, Pictures
 }
 
 impl Pictures {
-    /// The mean value of the pixels that count.
+    /// The mean value of the pixels that are used.
     pub(super) fn mean(&self) -> f64 {
         self.noise(|_| true).mean
     }
 
-    /// The noise of the pixels that count and whose group is one that `is_wanted`.
+    /// The noise of the pixels that are used and whose group `is_wanted`.
     fn noise(&self, is_wanted: impl Fn(usize) -> bool) -> Noise {
         let pixels = self.group_of.iter().zip(&self.values);
         let pixels = pixels.filter(|(group, _)| group.is_some_and(&is_wanted));

@@ -1,11 +1,11 @@
-//! How noisy our light is: `cargo run --release --bin performance -- noise`.
+//! Measures the noise of our light: `cargo run --release --bin performance -- noise`.
 //!
 //! Each scene is rendered twice with its true materials, by independent paths and with independent
-//! random numbers. What differs between the two pictures is noise, and nothing else: no reference is
-//! needed, and a bias is not seen. [`cases`] names the scenes, [`made`] builds those that are hard for
-//! a path tracer, [`measure`] renders one, [`statistics`] makes numbers of the two pictures, [`table`]
-//! their lines, [`summary`] the last one, [`compare`] puts them beside an earlier run ([`record`]), and
-//! [`explain`] says which paths the noise comes from. `docs/contributing.md` says how to read it.
+//! random numbers. The difference of the two pictures is only noise: no reference is needed, and a bias
+//! is not seen. [`cases`] names the scenes, [`made`] builds those that are hard for a path tracer,
+//! [`measure`] renders one, [`statistics`] computes the noise from the two pictures, [`table`] prints
+//! its lines, [`summary`] the last one, [`compare`] compares them with an earlier run ([`record`]), and
+//! [`explain`] finds the paths that cause the noise. `docs/contributing.md` describes the output.
 
 pub(crate) mod cases;
 mod compare;
@@ -28,10 +28,10 @@ use record::Record;
 use summary::Summary;
 use table::Table;
 
-/// Measures one scene after the other, and prints a line as soon as it is known.
+/// Measures one scene after the other, and prints each line at once.
 ///
 /// # Errors
-/// If a name is that of no scene, a scene cannot be loaded, or a file not be read or written.
+/// If there is no scene of a name, a scene cannot be loaded, or a file cannot be read or written.
 pub(crate) fn run(request: &NoiseRequest) -> Result<(), Failure> {
     let all = cases::all(request.corpus.as_deref())?;
     let chosen = cases::choose(all, &request.cases)?;
@@ -60,7 +60,7 @@ pub(crate) fn run(request: &NoiseRequest) -> Result<(), Failure> {
         }
         record.scenes.insert(case.name.clone(), noise);
         if let Some(file) = &request.save {
-            // After every scene: whoever interrupts a long run keeps what there is.
+            // Written after every scene, so that an interrupted run keeps its results.
             record.write(file)?;
         }
     }

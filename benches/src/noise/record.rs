@@ -1,4 +1,4 @@
-//! What was measured, as a file.
+//! The file of a run's measurements.
 
 use super::measure::SceneNoise;
 use crate::Failure;
@@ -17,7 +17,7 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// One without scenes yet.
+    /// A record without scenes.
     pub(super) fn new(measured: String) -> Self {
         Self { measured, scenes: BTreeMap::new() }
     }
@@ -25,7 +25,7 @@ impl Record {
     /// Reads what [`Record::write`] wrote.
     ///
     /// # Errors
-    /// If the file cannot be read, or is none of these.
+    /// If the file cannot be read, or is not one of these.
     pub(super) fn read(file: &Path) -> Result<Self, Failure> {
         let in_file = |problem: &dyn std::fmt::Display, remedy: &str| {
             format!("{}: {problem}{remedy}", file.display())

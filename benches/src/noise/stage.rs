@@ -1,18 +1,18 @@
-//! Scenes under construction: named things, the sides of rooms, panels and openings.
+//! Builds scenes: named things, the sides of rooms, panels and openings.
 
 use crate::corpus::generate::shapes::{merged, quad};
 use glam::{Affine3A, Vec2, Vec3};
 use unrender::scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 
-/// A scene that grows: y is up, lengths are metres.
+/// A scene under construction: y is up, lengths are metres.
 #[derive(Default)]
 pub(super) struct Stage {
-    /// What there is so far.
+    /// The scene so far.
     pub(super) scene: Scene,
 }
 
 impl Stage {
-    /// Adds a thing that reflects, a group of its own.
+    /// Adds a reflecting thing, with its own group.
     pub(super) fn add(&mut self, name: &str, material: Material, mesh: Mesh) {
         self.push(name, material, Rgb::ZERO, mesh);
     }
@@ -27,7 +27,7 @@ impl Stage {
         self.scene.lights.push(Light { name: name.to_owned(), kind });
     }
 
-    /// The scene as a camera at `eye` sees it that looks at `target`.
+    /// The scene with a camera at `eye` that looks at `target`.
     pub(super) fn seen(mut self, eye: Vec3, target: Vec3, fov_y_rad: f32) -> Scene {
         self.scene.cameras.push(Camera::look_at("camera", eye, target, Vec3::Y, fov_y_rad));
         self.scene
@@ -89,7 +89,7 @@ impl Room {
         ])
     }
 
-    /// The lower left corner of a side as it is seen from inside, its width and its height.
+    /// The lower left corner of a side, seen from inside, its width and its height.
     fn edges(&self, side: Side) -> [Vec3; 3] {
         let Self { low, high } = *self;
         let size = high - low;
@@ -110,7 +110,7 @@ pub(super) fn panel(centre: Vec3, x: Vec3, y: Vec3) -> Mesh {
     quad(centre - x - y, 2.0 * x, 2.0 * y)
 }
 
-/// The motion of what stands on the origin to `place`, turned about +y by `angle_rad`.
+/// The motion of a thing from the origin to `place`, turned about +y by `angle_rad`.
 pub(super) fn at(place: Vec3, angle_rad: f32) -> Affine3A {
     Affine3A::from_translation(place) * Affine3A::from_rotation_y(angle_rad)
 }

@@ -1,31 +1,33 @@
-//! Noise from two pictures that differ by noise alone.
+//! Computes the noise from two pictures that differ only by noise.
 
 use crate::statistics::median;
 use serde::{Deserialize, Serialize};
 
 /// The standard deviation of a Gaussian over the median of its absolute value.
 const DEVIATION_OF_MEDIAN: f64 = 1.482_602_218_505_602;
-/// One in so many pixels is among the worst, and at least one. It is as rare as fireflies are; at half of it a group
-/// of 1000 pixels has the same one, at double Gaussian noise alone is 2 % of the variance.
+/// One pixel in this many is among the worst, at least one in all. It is as rare as fireflies are; at half of it a
+/// group of 1000 pixels has twice as many and Gaussian noise alone is 2 % of the variance, at double it has the same
+/// one.
 const WORST_ONE_IN: usize = 1000;
 
 /// The noise of a set of pixels in one rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Noise {
-    /// How many pixels there are.
+    /// The number of pixels.
     pub(super) pixels: usize,
     /// Their mean radiance, W sr^-1 m^-2.
     pub(super) mean: f64,
     /// The root mean square of the noise, over the mean radiance.
     pub(super) rms: f64,
-    /// The same as the median tells it.
+    /// The same, from the median.
     pub(super) robust: f64,
     /// The share of the variance that is in the worst pixels.
     pub(super) worst: f64,
 }
 
 impl Noise {
-    /// That of pixels with these values in two renderings. Of black pixels, and of none, it is zero.
+    /// The noise of pixels with these values in two renderings; zero if they are black, or if there
+    /// are none.
     pub(super) fn of(pixels: &[[f64; 2]]) -> Self {
         let count = pixels.len().max(1) as f64;
         let mean = pixels.iter().flatten().sum::<f64>() / (2.0 * count);
@@ -49,14 +51,14 @@ impl Noise {
         }
     }
 
-    /// How heavy the tail is: the root mean square over the robust deviation. None where half of the pixels have no
-    /// noise at all.
+    /// The heaviness of the tail: the root mean square over the robust standard deviation. None if half of the
+    /// pixels have no noise.
     pub(super) fn ratio(&self) -> Option<f64> {
         (self.robust > 0.0).then(|| self.rms / self.robust)
     }
 }
 
-/// A quotient, zero where nothing is divided.
+/// A quotient, zero if the divisor is not positive.
 fn over(value: f64, by: f64) -> f64 {
     if by > 0.0 { value / by } else { 0.0 }
 }
@@ -66,14 +68,15 @@ pub(super) mod tests {
     use super::*;
     use unrender::render::sampler::mix;
 
-    /// A number of a Gaussian of variance one, another one for each `index` [Box and Muller 1958].
+    /// A Gaussian number of variance one, different for each `index` [Box and Muller 1958].
     fn gaussian(index: u64) -> f64 {
         let uniform = |i: u64| ((mix(i) >> 11) as f64 + 0.5) / (1u64 << 53) as f64;
         let (u, v) = (uniform(2 * index), uniform(2 * index + 1));
         (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
     }
 
-    /// Pixels of the radiance `mean` with Gaussian noise of the relative deviation `sigma`.
+    /// Pixels of the radiance `mean` with Gaussian noise of the relative standard deviation
+    /// `sigma`.
     pub(in super::super) fn noisy(count: u64, mean: f64, sigma: f64) -> Vec<[f64; 2]> {
         let value = |index: u64| mean * (1.0 + sigma * gaussian(index));
         (0..count).map(|i| [value(2 * i), value(2 * i + 1)]).collect()

@@ -1,20 +1,21 @@
-//! The last line: what all scenes say together.
+//! The last line: a summary of all scenes.
 
 use super::compare::Compared;
 use super::measure::SceneNoise;
 use crate::statistics::geometric_mean;
 
-/// A group whose ratio is above this has a tail: most pixels know better than their mean square says. Uneven light
-/// alone brings it to 2; at half of it every group has a tail, at double fireflies of a few pixels pass.
+/// A group whose ratio is above this has a tail: most pixels have less noise than the mean square indicates.
+/// Uneven light alone gives up to 2; at half of it every group has a tail, at double fireflies of a few pixels
+/// pass.
 const TAIL: f64 = 2.0;
 
-/// What was measured so far.
+/// The measurements so far.
 #[derive(Debug, Default)]
 pub(super) struct Summary {
     scenes: usize,
     groups: usize,
     with_tail: usize,
-    /// The largest ratio of a group, and the names of its scene and of it.
+    /// The largest ratio of a group, and the names of the group and its scene.
     worst: Option<(f64, String)>,
     seconds: f64,
     efficiencies: Vec<f64>,
@@ -22,7 +23,7 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    /// Adds a scene, and how it compares with an earlier run.
+    /// Adds a scene, and its comparison with an earlier run.
     pub(super) fn add(&mut self, scene: &str, noise: &SceneNoise, compared: Option<&Compared>) {
         self.scenes += 1;
         self.seconds += noise.seconds;

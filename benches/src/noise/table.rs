@@ -1,4 +1,4 @@
-//! The lines of the table, which is printed while it grows.
+//! The lines of the table, which is printed line by line.
 
 use super::compare::{Compared, Quotients};
 use super::measure::{GroupNoise, SceneNoise};
@@ -12,7 +12,7 @@ const GROUP_WIDTH: usize = 16;
 /// The columns of numbers.
 const HEAD: [&str; 8] =
     ["pixels", "mean", "rms %", "robust %", "ratio", "worst %", "s", "Mpaths/s"];
-/// The columns beside an earlier run.
+/// The columns of the comparison with an earlier run.
 const COMPARED: [&str; 5] = ["mean x", "efficiency", "of groups", "of robust", "speed"];
 /// The least width of a column of numbers, characters.
 const NUMBER_WIDTH: usize = 7;
@@ -24,7 +24,7 @@ pub(super) struct Table {
 }
 
 impl Table {
-    /// For scenes of these names; `compares` if an earlier run stands beside.
+    /// For scenes of these names; `compares` if there is an earlier run.
     pub(super) fn new<'a>(scenes: impl Iterator<Item = &'a str>, compares: bool) -> Self {
         let longest = scenes.map(|name| name.chars().count()).max().unwrap_or(0);
         Self { scene_width: longest.max("scene".len()), compares }
@@ -36,7 +36,7 @@ impl Table {
         self.line(["scene", "group"], HEAD.map(str::to_owned), compared)
     }
 
-    /// The lines of a scene: one a group, and one of the whole picture.
+    /// The lines of a scene: one per group, and one of the whole picture.
     pub(super) fn lines(
         &self,
         scene: &str,
@@ -73,7 +73,7 @@ impl Table {
     }
 }
 
-/// The cells of one set of pixels; of a group without its `cost`, which is that of the picture.
+/// The cells of one set of pixels; groups have no time and speed, which are those of the picture.
 fn numbers(noise: &Noise, [seconds, speed]: [Option<f64>; 2]) -> [String; HEAD.len()] {
     let percent = |share: f64, digits| number(Some(100.0 * share), digits);
     [

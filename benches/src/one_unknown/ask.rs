@@ -1,4 +1,4 @@
-//! One group recovered while all others are held at the truth.
+//! Recovers one group while all others are held at the truth.
 
 use super::choice::{self, Candidate};
 use super::request::OneUnknownRequest;
@@ -24,17 +24,17 @@ use unrender::scene::{Group, Material, Rgb};
 use unrender::score::{GroupScore, score};
 use unrender::{Job, Project};
 
-/// Everything that is read once.
+/// The data that are read once.
 pub(super) struct Experiment {
-    /// How `recover` is asked.
+    /// The arguments of `recover`.
     args: recover::Args,
     global: Global,
-    /// What the project says.
+    /// The job of the project.
     given: Job,
     /// The same with every group known at the truth.
     at_truth: Job,
     truth: MaterialsFile,
-    /// The folder that the truth's textures lie in.
+    /// The folder of the truth's textures.
     truth_folder: PathBuf,
     /// The scene's groups, in its order.
     pub(super) candidates: Vec<Candidate>,
@@ -44,9 +44,9 @@ impl Experiment {
     /// Reads project, scene, photograph and truth.
     ///
     /// # Errors
-    /// If one of them cannot be read, or the truth misses a group.
+    /// If one of them cannot be read, or the truth lacks a group.
     pub(super) fn load(request: &OneUnknownRequest) -> Result<Self, Failure> {
-        // Nothing is written there, but the command wants to be told of a folder.
+        // Nothing is written there, but the command needs the name of a folder.
         let words = ["recover".into(), request.project.clone(), "--out".into(), "unused".into()];
         let (mut global, mut args) = cli::recover_args(words.map(PathBuf::into_os_string))?;
         args.effort = request.effort;
@@ -68,8 +68,7 @@ impl Experiment {
         })
     }
 
-    /// For each group the relative error of its re-rendering when nothing is asked for, all groups having
-    /// their true materials.
+    /// For each group, the relative error of its re-rendering with the true materials of all groups.
     ///
     /// # Errors
     /// If the camera sees nothing.
@@ -78,7 +77,7 @@ impl Experiment {
         Ok(recovered.recovery.groups.iter().map(|group| group.error).collect())
     }
 
-    /// Recovers `group` alone, whose true material leaves `error_at_truth`.
+    /// Recovers only `group`, whose error with its true material is `error_at_truth`.
     ///
     /// # Errors
     /// If the camera sees nothing, or a texture cannot be compared.
@@ -110,7 +109,7 @@ impl Experiment {
         })
     }
 
-    /// The job that asks for `group` alone. What is true of it is not in there.
+    /// The job in which only `group` is unknown. It does not contain its true material.
     fn alone(&self, group: usize) -> Job {
         let mut job = self.at_truth.clone();
         let asked = &self.given.scene.groups[group];
@@ -119,7 +118,7 @@ impl Experiment {
         job
     }
 
-    /// Compares what was found of `group` with the truth.
+    /// Compares the result for `group` with the truth.
     fn score(&self, job: &Job, recovered: &Recovered, group: usize) -> Result<GroupScore, Failure> {
         let name = &job.scene.groups[group].name;
         let mut found = recovered.materials(job);
@@ -127,7 +126,7 @@ impl Experiment {
         let mut truth = self.truth.clone();
         truth.groups.retain(|other, _| other == name);
         for entry in truth.groups.values_mut() {
-            // What the project knows is not counted; here it was asked for.
+            // Known groups do not count, but this one was recovered here.
             entry.status = None;
             let material = &self.at_truth.scene.groups[group].material;
             entry.hypothesis.get_or_insert(hypothesis::of(material));
@@ -147,8 +146,8 @@ impl Experiment {
         Ok(scores.into_iter().next().unwrap_or_default())
     }
 
-    /// Whether what was found of `group` is right. A simpler hypothesis is too, where the photograph does not
-    /// tell it from the truth.
+    /// Whether the hypothesis found for `group` is right. A simpler one counts too, if the photograph cannot
+    /// distinguish it from the truth.
     fn verdict(&self, recovered: &Recovered, group: usize, truth: Hypothesis) -> Verdict {
         let found = recovered.recovery.groups[group].hypothesis;
         if found == truth {
@@ -169,7 +168,7 @@ impl Experiment {
         let pixels = &observation.pixels_of_group[group];
         let Some(middle) = pixels.get(pixels.len() / 2) else { return Verdict::Wrong };
         let exposure = match project.exposure {
-            // The photograph was developed with it.
+            // The photograph was developed with the exposure.
             Exposure::Fixed(_) => Rgb::ONE,
             Exposure::Auto => recovered.recovery.exposure,
         };
@@ -190,10 +189,10 @@ impl Experiment {
     }
 }
 
-/// The job of `given` with all groups known as the file `truth` says. Its light is that of the project.
+/// The job of `given` with all groups known by the file `truth`. Its light is that of the project.
 ///
 /// # Errors
-/// If a number or a texture of the truth cannot be used, or its lobes are not those of the project.
+/// If a value or a texture of the truth cannot be used, or its lobes are not those of the project.
 fn at_truth(given: &Job, truth: &Path) -> Result<Job, Failure> {
     let mut scene = given.scene.clone();
     let mut job = given.clone();
@@ -204,8 +203,8 @@ fn at_truth(given: &Job, truth: &Path) -> Result<Job, Failure> {
         && let Some(group) = scene.groups.iter().find(shines)
     {
         return Err(format!(
-            "{}: its lobes, such as that of \"{}\", are {theirs}, and {} recovers {ours}; set brdf = \
-             \"{theirs}\" under [recover] there",
+            "{}: its lobes, such as that of \"{}\", are {theirs}, but {} recovers {ours}; set brdf \
+             = \"{theirs}\" under [recover] there",
             truth.display(),
             group.name,
             given.project.path.display()
@@ -221,13 +220,13 @@ fn at_truth(given: &Job, truth: &Path) -> Result<Job, Failure> {
     Ok(job)
 }
 
-/// `material` as a project states it; its texture stays with the scene.
+/// `material` in the form of a project; its texture stays with the scene.
 fn known(material: &Material) -> Known {
     let Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, .. } = *material;
     Known { rho_d, rho_s, alpha_x, alpha_y, theta_rad }
 }
 
-/// Passes each warning on once: every group is recovered from the same photograph.
+/// Prints each warning once: every group is recovered from the same photograph.
 #[derive(Default)]
 struct Warner(Mutex<BTreeSet<String>>);
 

@@ -1,18 +1,18 @@
-//! Which groups are asked for, and whether the truth says enough to hold the others.
+//! The choice of the groups to recover, and a check that the truth has the others.
 
 use std::path::Path;
 use unrender::Project;
 use unrender::formats::materials::MaterialsFile;
 use unrender::scene::Group;
 
-/// What the project makes of a group.
+/// The status of a group in the project.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Standing {
-    /// The project asks for it.
+    /// The project recovers it.
     Asked,
-    /// The project knows it: it is asked for where it is named.
+    /// The project knows it: it is recovered only if it is named.
     Known,
-    /// It cannot be asked for, and needs no truth: the end of a sentence about it says why.
+    /// It cannot be recovered, and needs no truth; with the reason, the end of a sentence about it.
     Fixed(&'static str),
 }
 
@@ -21,11 +21,11 @@ pub(super) enum Standing {
 pub(super) struct Candidate {
     /// Its name.
     pub(super) name: String,
-    /// What the project makes of it.
+    /// Its status in the project.
     pub(super) standing: Standing,
 }
 
-/// All `groups` of a scene as `project` has them, in the scene's order.
+/// All `groups` of a scene with their status in `project`, in the scene's order.
 pub(super) fn candidates(project: &Project, groups: &[Group]) -> Vec<Candidate> {
     let anchor = project.used_anchor().map(|anchor| &anchor.group);
     let standing = |group: &Group| {
@@ -48,15 +48,17 @@ pub(super) fn candidates(project: &Project, groups: &[Group]) -> Vec<Candidate> 
     groups.iter().map(candidate).collect()
 }
 
-/// The indices of the groups to ask for: those that are `named`, or those that the project asks for.
+/// The indices of the groups to recover: those that are `named`, or else those that the project
+/// recovers.
 ///
 /// # Errors
-/// If a name is that of no group or of one that cannot be asked for, or if nothing is left to ask.
+/// If there is no group of a name, if a named group cannot be recovered, or if there is no group to
+/// recover.
 pub(super) fn choose(candidates: &[Candidate], named: &[String]) -> Result<Vec<usize>, String> {
     if named.is_empty() {
         let is_asked = |index: &usize| candidates[*index].standing == Standing::Asked;
         let asked: Vec<usize> = (0..candidates.len()).filter(is_asked).collect();
-        let none = "the project asks for no group; name those that are to be asked with --groups";
+        let none = "the project recovers no group; name the groups to recover with --groups";
         return if asked.is_empty() { Err(none.to_owned()) } else { Ok(asked) };
     }
     let mut chosen = Vec::new();
@@ -64,12 +66,12 @@ pub(super) fn choose(candidates: &[Candidate], named: &[String]) -> Result<Vec<u
         let index = candidates.iter().position(|candidate| candidate.name == *name);
         let Some(index) = index else {
             return Err(format!(
-                "--groups: the scene has no group \"{name}\"; those that can be asked for are {}",
+                "--groups: the scene has no group \"{name}\"; those that can be recovered are {}",
                 names(candidates.iter().filter(|candidate| is_held(candidate)))
             ));
         };
         if let Standing::Fixed(why) = candidates[index].standing {
-            return Err(format!("--groups: the group \"{name}\" {why}, and cannot be asked for"));
+            return Err(format!("--groups: the group \"{name}\" {why}, and cannot be recovered"));
         }
         if !chosen.contains(&index) {
             chosen.push(index);
@@ -78,10 +80,10 @@ pub(super) fn choose(candidates: &[Candidate], named: &[String]) -> Result<Vec<u
     Ok(chosen)
 }
 
-/// Refuses a `truth`, read from `file`, that does not say what each group of `project` reflects.
+/// Refuses a `truth`, read from `file`, without the reflectance of each group of `project`.
 ///
 /// # Errors
-/// If a group that is asked for or held has no entry there, or an entry without diffuse reflectance.
+/// If a group that is recovered or held has no entry there, or an entry without diffuse reflectance.
 pub(super) fn check_truth(
     candidates: &[Candidate],
     (truth, file): (&MaterialsFile, &Path),
@@ -97,14 +99,14 @@ pub(super) fn check_truth(
         return Ok(());
     }
     Err(format!(
-        "{}: no rho_d or texture is stated for {missing}, which {} has; add what is true of every \
-         group, or set ignore = true for it in the project",
+        "{}: no rho_d or texture is stated for {missing}, which {} has; add the true material of \
+         every group, or set ignore = true for it in the project",
         file.display(),
         project.display()
     ))
 }
 
-/// Whether a group is asked for or held at the truth.
+/// Whether a group is recovered or held at the truth.
 fn is_held(candidate: &Candidate) -> bool {
     !matches!(candidate.standing, Standing::Fixed(_))
 }
@@ -121,7 +123,7 @@ mod tests {
     use unrender::formats::materials::GroupEntry;
     use unrender::scene::{Material, Rgb};
 
-    /// The groups floor, wall and ceiling and a lamp, in a project that says `text` besides.
+    /// The groups floor, wall and ceiling and a lamp, in a project with the lines `text`.
     fn of_project(text: &str) -> Vec<Candidate> {
         let text = format!("scene = \"s.glb\"\nphoto = \"p.exr\"\nexposure = 1\n{text}");
         let (project, _) = Project::parse(Path::new("p.toml"), &text).unwrap();

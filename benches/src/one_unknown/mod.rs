@@ -1,9 +1,10 @@
-//! An experiment in seconds: `cargo run --release -p unrender-benches -- one-unknown PROJECT TRUTH`.
+//! Recovers one group at a time, in seconds: `cargo run --release -p unrender-benches -- one-unknown
+//! PROJECT TRUTH`.
 //!
-//! All groups of a project but one are held at the truth, each group in turn is the one that is asked for, and
-//! one line says what came out of it. [`choice`] says which groups are asked for, [`ask`] recovers one,
-//! [`row`] makes its line, and [`summary`] the last lines: whether the photograph contradicts the truth, so that
-//! the light is wrong, or a group's own choice of a hypothesis is. `docs/contributing.md` says how to read them.
+//! Each group of a project in turn is recovered while all others are held at the truth, with one line per
+//! result. [`choice`] chooses the groups, [`ask`] recovers one, [`row`] makes its line, and [`summary`] the last
+//! lines: whether the photograph contradicts the truth, so that the light is wrong, or whether a group's own
+//! choice of a hypothesis is wrong. `docs/contributing.md` describes them.
 
 mod ask;
 mod choice;
@@ -18,10 +19,10 @@ use ask::Experiment;
 use row::Table;
 use std::time::Instant;
 
-/// Asks for one group after the other.
+/// Recovers one group after the other.
 ///
 /// # Errors
-/// If project or truth cannot be used, or a group that is named cannot be asked for.
+/// If project or truth cannot be used, or a named group cannot be recovered.
 pub(crate) fn run(request: &OneUnknownRequest) -> Result<(), Failure> {
     let started = Instant::now();
     let mut experiment = Experiment::load(request)?;

@@ -1,11 +1,11 @@
-//! What came of one group, as a line of the table.
+//! The result of one group, as a line of the table.
 
 use crate::corpus::score::Verdict;
 use unrender::recover::Hypothesis;
 use unrender::recover::record::CandidateRecord;
 use unrender::score::GroupScore;
 
-/// A group that was asked for once.
+/// One recovery of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Row {
     /// The group's name.
@@ -14,33 +14,33 @@ pub(super) struct Row {
     pub(super) seed: u64,
     /// The selected hypothesis.
     pub(super) found: Hypothesis,
-    /// What it is.
+    /// The true hypothesis.
     pub(super) truth: Hypothesis,
     /// Whether that is right; none for groups that no pixel shows.
     pub(super) verdict: Option<Verdict>,
-    /// The relative error of the group's re-rendering with what was found.
+    /// The relative error of the group's re-rendering with the result.
     pub(super) error: Option<f64>,
     /// The same with the true material.
     pub(super) error_at_truth: Option<f64>,
-    /// The hypothesis beside the one that was found; none if nothing was compared with it.
+    /// The runner-up to the hypothesis that was found; none if nothing was compared with it.
     pub(super) runner_up: Option<RunnerUp>,
-    /// The errors of the numbers.
+    /// The errors of the parameters.
     pub(super) numbers: Numbers,
-    /// How long the recovery took.
+    /// The time of the recovery.
     pub(super) seconds: f64,
 }
 
-/// The hypothesis that the photograph speaks for most, of those that were not taken.
+/// The best hypothesis of those that were not chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct RunnerUp {
     /// Which one.
     pub(super) hypothesis: Hypothesis,
-    /// Its information criterion less that of the one that was taken. It is negative where a simpler one
-    /// stood, or where the re-rendering spoke against the runner-up.
+    /// Its information criterion minus that of the chosen one. It is negative if a simpler one was kept,
+    /// or if the re-rendering refuted the runner-up.
     pub(super) distance: f64,
 }
 
-/// The largest error of each kind of number, in units of its stated standard deviation.
+/// The largest error of each kind of parameter, in units of its stated standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Numbers {
     /// Of the diffuse reflectance.
@@ -75,8 +75,8 @@ impl Numbers {
     }
 }
 
-/// A hypothesis in a selection log: in which iteration it was tried, and its information criterion less that of
-/// the one that was chosen.
+/// A hypothesis in a selection log: the iteration in which it was tried, and its information criterion minus
+/// that of the chosen one.
 #[derive(Clone, Copy, Debug)]
 struct Compared {
     iteration: usize,
@@ -85,7 +85,7 @@ struct Compared {
 }
 
 /// The runner-up of the hypothesis `found` in the last comparison of `log` that has more than one; none if
-/// `found` is not part of it, as of a texture.
+/// `found` is not part of it, as for a texture.
 pub(super) fn runner_up(log: &[CandidateRecord], found: Hypothesis) -> Option<RunnerUp> {
     let compared: Vec<Compared> = log
         .iter()
@@ -109,7 +109,8 @@ fn of_last(log: &[Compared], found: Hypothesis) -> Option<RunnerUp> {
     Some(RunnerUp { hypothesis: next.hypothesis, distance: next.criterion - own })
 }
 
-/// The lines of a table, which is printed while it grows: the columns are as wide as they will have to be.
+/// The lines of a table, which is printed line by line, so that the widths of columns are fixed
+/// beforehand.
 pub(super) struct Table {
     widths: [usize; COLUMNS],
 }
@@ -130,7 +131,7 @@ const HEAD: [&str; COLUMNS] = [
     "alpha",
     "direction",
 ];
-/// The columns of text, which stand to the left.
+/// The columns of text, which are aligned to the left.
 const TEXT: [bool; COLUMNS] =
     [true, false, true, true, true, false, false, false, true, false, false, false, false];
 
@@ -204,7 +205,7 @@ fn number(value: Option<f64>, digits: usize) -> String {
 pub(super) mod tests {
     use super::*;
 
-    /// A group that was found to be what it is.
+    /// A group with the right hypothesis.
     pub(in super::super) fn example(group: &str, seed: u64, verdict: Verdict) -> Row {
         Row {
             group: group.to_owned(),
@@ -274,7 +275,7 @@ pub(super) mod tests {
         ]
         .concat();
         assert_eq!(of_last(&log, Isotropic), of(Diffuse, 20.0));
-        // The chosen one did not stand: the runner-up is ahead.
+        // The choice was not kept: the runner-up is ahead.
         assert_eq!(of_last(&log, Diffuse), of(Isotropic, -20.0));
         assert_eq!(of_last(&log, Textured), None);
         assert_eq!(of_last(&log[4..], Diffuse), None);

@@ -1,17 +1,18 @@
-//! The last lines: how many groups are right, whether the light is wrong, and what wrong groups point at.
+//! The last lines: how many groups are right, whether the light is wrong, and the likely cause of wrong
+//! groups.
 
 use super::row::Row;
 use crate::corpus::score::Verdict;
 
-/// A true material that leaves so many times the error of the one that was found is contradicted by the
-/// photograph. At half of it every fit contradicts the truth, since it follows the noise too; at double small
-/// groups in wrong light do not show it.
+/// The photograph contradicts a true material whose error is this many times that of the result. At half of
+/// it every fit contradicts the truth, since it follows the noise too; at double wrong light is not detected
+/// by small groups.
 const CONTRADICTED: f64 = 1.5;
 /// Renderers agree to half a percent of a group's light: the true material contradicts the photograph from
-/// twice that on. At half of it noise does, at double light that is wrong by 2 % passes.
+/// twice that on. At half of it noise contradicts it, at double light that is wrong by 2 % passes.
 const DISAGREEMENT: f64 = 0.01;
 
-/// The lines below the table of `rows`, which took so many `seconds` in all.
+/// The lines below the table of `rows`, which took `seconds` in all.
 pub(super) fn text(rows: &[Row], seconds: f64) -> String {
     let groups = names(rows.iter().filter(|row| row.verdict.is_some()));
     let wrong: Vec<&Row> = rows.iter().filter(|row| row.verdict == Some(Verdict::Wrong)).collect();
@@ -26,16 +27,16 @@ pub(super) fn text(rows: &[Row], seconds: f64) -> String {
     let contradicted = names(rows.iter().filter(|row| is_contradicted(row)));
     if !contradicted.is_empty() {
         lines.push(format!(
-            "with their true materials these groups do not look like the photograph: {}; the light is wrong, \
-             or the model",
+            "with their true materials these groups do not look like the photograph: {}; the light \
+             or the model is wrong",
             contradicted.join(", ")
         ));
     }
     let because = if contradicted.is_empty() {
-        "the true material explains the photograph about as well: the choice of the hypothesis is wrong, or \
-         the photograph does not tell"
+        "the true material explains the photograph about as well: the choice of the hypothesis is \
+         wrong, or the photograph does not determine it"
     } else {
-        "wrong light may be why"
+        "wrong light may be the cause"
     };
     let mut told: Vec<&str> = Vec::new();
     for Row { group, found, truth, .. } in wrong {
@@ -46,7 +47,7 @@ pub(super) fn text(rows: &[Row], seconds: f64) -> String {
     }
     if right > 0 && told.is_empty() && contradicted.is_empty() {
         lines.push(
-            "all are right among right neighbours: what is wrong of them in the whole recovery comes from \
+            "all are right if their neighbours are: their errors in the whole recovery come from \
              their neighbours"
                 .to_owned(),
         );
@@ -71,12 +72,12 @@ fn is_contradicted(row: &Row) -> bool {
     at_truth > DISAGREEMENT && at_truth > CONTRADICTED * error
 }
 
-/// The largest error of a number of all rows, as a part of a sentence.
+/// The largest error of a parameter in all rows, as a part of a sentence.
 fn worst(rows: &[Row]) -> String {
     let numbers = rows.iter().filter_map(|row| Some((row.numbers.worst()?, &row.group)));
     let worst = numbers.max_by(|a, b| a.0.total_cmp(&b.0));
     let said = |(error, group): (f64, &String)| {
-        format!("; the worst number is {error:.1} standard deviations off (of {group})")
+        format!("; the worst parameter is {error:.1} standard deviations off (of {group})")
     };
     worst.map_or(String::new(), said)
 }
@@ -101,8 +102,8 @@ mod tests {
         assert_eq!(
             lines.next(),
             Some(
-                "1 of 2 groups right with each of 3 seeds; the worst number is 2.0 standard deviations off \
-                 (of hidden); 12.3 s"
+                "1 of 2 groups right with each of 3 seeds; the worst parameter is 2.0 standard \
+                 deviations off (of hidden); 12.3 s"
             )
         );
         let wrong = lines.next().unwrap();
@@ -114,7 +115,7 @@ mod tests {
     fn right_groups_point_at_their_neighbours() {
         let text = text(&[example("floor", 0, Verdict::Right)], 1.0);
         assert!(text.starts_with("1 of 1 groups right; "), "{text}");
-        assert!(text.contains("comes from their neighbours"), "{text}");
+        assert!(text.contains("come from their neighbours"), "{text}");
     }
 
     #[test]
@@ -123,8 +124,8 @@ mod tests {
         let wrong = Row { error: Some(0.3), ..example("floor", 0, Verdict::Wrong) };
         let rows = [Row { error_at_truth: Some(0.1), ..right.clone() }, wrong];
         let text = text(&rows, 1.0);
-        assert!(text.contains("like the photograph: wall; the light is wrong"), "{text}");
-        assert!(text.ends_with("found diffuse: wrong light may be why"), "{text}");
+        assert!(text.contains("like the photograph: wall; the light or"), "{text}");
+        assert!(text.ends_with("found diffuse: wrong light may be the cause"), "{text}");
         let faint = Row { error: Some(0.001), error_at_truth: Some(0.005), ..right };
         assert!(!is_contradicted(&faint));
     }

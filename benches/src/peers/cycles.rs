@@ -1,4 +1,4 @@
-//! Cycles, from `bpy` of PyPI: 350 MB.
+//! Runs Cycles, from `bpy` of PyPI: 350 MB.
 
 use super::Worker;
 use crate::Failure;
@@ -25,14 +25,14 @@ impl Cycles {
     /// Builds the scene that was exported into `folder`.
     ///
     /// # Errors
-    /// If Blender cannot do that here.
+    /// If Blender fails here.
     pub(crate) fn load(python: &Path, folder: &Path) -> Result<Self, Failure> {
         let folder = std::path::absolute(folder)?;
         let worker = Worker::start(python, "cycles_render.py", [folder.display().to_string()])?;
         Ok(Self { worker, picture: folder.join("picture.exr") })
     }
 
-    /// A picture of `spp` samples a pixel.
+    /// A picture of `spp` samples per pixel.
     ///
     /// # Errors
     /// If Blender ended.

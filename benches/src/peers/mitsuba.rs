@@ -1,4 +1,4 @@
-//! Mitsuba 3, from `mitsuba` of PyPI; its variant llvm needs a shared library of LLVM beside it.
+//! Runs Mitsuba 3, from `mitsuba` of PyPI; its variant llvm also needs a shared library of LLVM.
 
 use super::Worker;
 use super::shot::Shot;
@@ -18,10 +18,10 @@ pub(crate) fn python() -> Result<PathBuf, String> {
     super::python("mitsuba", &["mitsuba==3.9.1"])
 }
 
-/// What glossy groups reflect with.
+/// The lobe of glossy groups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Lobe {
-    /// What `unrender export` writes.
+    /// That of `unrender export`.
     Beckmann,
     /// The same lobe as ours, by `benches/peers/ward.py`.
     Ward,
@@ -30,7 +30,7 @@ pub(crate) enum Lobe {
 /// Variant, lobe and sampler.
 pub(crate) type Way = (&'static str, Lobe, &'static str);
 
-/// Writes the scene into `folder` for Mitsuba and names the file.
+/// Writes the scene into `folder` for Mitsuba; returns the file's path.
 ///
 /// # Errors
 /// If it cannot be written.
@@ -51,7 +51,7 @@ pub(crate) fn write(
     Ok(path)
 }
 
-/// The scene with the glossy groups' reflectances, of a line each, by the plugin `ward`.
+/// The scene with the plugin `ward` for the reflectances of glossy groups, which are a line each.
 fn with_ward(text: &str, scene: &Scene) -> String {
     let mut lines = String::new();
     for line in text.lines() {
@@ -94,7 +94,7 @@ impl Mitsuba {
     /// Loads the scene at `path` with `variant`.
     ///
     /// # Errors
-    /// If Mitsuba cannot do that here.
+    /// If Mitsuba fails here.
     pub(crate) fn load(python: &Path, variant: &str, path: &Path) -> Result<Self, Failure> {
         let scene = path.display().to_string();
         let worker = Worker::start(python, "mitsuba_render.py", [variant.to_owned(), scene])?;

@@ -1,4 +1,4 @@
-//! The other programs, from PyPI, each in a folder of its own beside the build's outputs.
+//! The other programs, from PyPI, each in its own folder beside the build's outputs.
 
 pub(crate) mod cycles;
 #[path = "../../../crates/unrender/tests/kit/programs/install.rs"]
@@ -23,15 +23,15 @@ pub(crate) fn target_folder() -> PathBuf {
     target.unwrap_or_else(std::env::temp_dir)
 }
 
-/// A folder for what the programs exchange.
+/// A folder for files that the programs exchange.
 pub(crate) fn work_folder(name: &str) -> PathBuf {
     target_folder().join("performance/work").join(name)
 }
 
-/// What `program` says on its standard output, if it comes to a good end.
+/// The standard output of `program`, if it succeeds.
 ///
 /// # Errors
-/// Otherwise, with what it said of that.
+/// If it fails, with its message.
 pub(crate) fn said(program: &mut Command) -> Result<String, String> {
     let output = program.output().map_err(|error| format!("{program:?}: {error}"))?;
     if output.status.success() {

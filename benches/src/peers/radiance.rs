@@ -1,5 +1,5 @@
-//! Radiance, from `pyradiance` of PyPI. Its rays go through `rtrace`, which uses all cores, and come
-//! back as floats: its pictures would be rounded to a hundredth.
+//! Radiance, from `pyradiance` of PyPI. Its rays are traced by `rtrace`, which uses all cores and
+//! returns floats: pictures would be rounded to a hundredth.
 
 use super::said;
 use super::shot::{self, Shot};
@@ -11,11 +11,11 @@ use std::time::Instant;
 use unrender::formats::export::Target;
 use unrender::scene::{Image, Rgb, RgbImage};
 
-/// Options of every rendering: those of the export's `render.sh` that say how light is drawn, not
-/// how much.
+/// Options of every rendering: those of the export's `render.sh` for the way of sampling light, not
+/// for the number of samples.
 const COMMON: &str = "-h- -fff -u+ -bv+ -st 0 -dj 1 -ds 0.1 -dt 0 -dc 1 -dr 2";
 
-/// How a picture is made.
+/// The settings of a picture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Setting {
     /// Rays across a pixel, and down.
@@ -24,7 +24,7 @@ pub(crate) struct Setting {
     pub(crate) options: &'static str,
 }
 
-/// A scene that Radiance has made ready.
+/// A scene that is prepared for Radiance.
 pub(crate) struct Radiance {
     programs: PathBuf,
     library: PathBuf,
@@ -36,7 +36,7 @@ impl Radiance {
     /// Writes the scene into `folder` and makes its octree.
     ///
     /// # Errors
-    /// If Radiance cannot be had or does not understand the scene.
+    /// If Radiance is not available or cannot read the scene.
     pub(crate) fn load(shot: &Shot, folder: &Path) -> Result<Self, Failure> {
         let python = super::python("pyradiance", &["pyradiance==1.3.1"])?;
         let code = "import pyradiance, os; print(os.path.dirname(pyradiance.__file__))";
@@ -48,7 +48,7 @@ impl Radiance {
             folder: folder.to_owned(),
             size: shot.size,
         };
-        // The lines of its script that come before the picture.
+        // The lines of its script before the picture.
         let prepare = "grep -E '^(obj2mesh|oconv)' render.sh | sh -e";
         said(this.command("sh").args(["-c", prepare]))?;
         Ok(this)
@@ -60,8 +60,8 @@ impl Radiance {
         version.split_whitespace().take(2).collect::<Vec<_>>().join(" ")
     }
 
-    /// A picture and the seconds that it took, reading the scene left out. Radiance's random numbers
-    /// are other ones in another second.
+    /// A picture and the seconds that it took, without reading the scene. Radiance's random numbers
+    /// change every second.
     ///
     /// # Errors
     /// If Radiance fails.
@@ -79,9 +79,9 @@ impl Radiance {
         Ok((self.picture(setting.finer)?, seconds))
     }
 
-    /// Sends the rays of a file into the scene; the seconds that it took.
+    /// Traces the rays of a file in the scene; returns the seconds that it took.
     fn trace(&self, setting: Setting, rays: &Path) -> Result<f64, Failure> {
-        // What is kept of ambient light belongs to one picture.
+        // The cache of ambient light belongs to one picture.
         let kept = self.folder.join("ambient");
         let _ = std::fs::remove_file(&kept);
         let mut trace = self.command("rtrace");

@@ -1,4 +1,4 @@
-//! A scene as it is handed to the other programs.
+//! A scene for the other programs.
 
 use crate::Failure;
 use std::path::Path;
@@ -7,7 +7,7 @@ use unrender::formats::LightUnits;
 use unrender::formats::export::{self, Target};
 use unrender::scene::{Camera, Material, Scene};
 
-/// What is rendered.
+/// The scene, camera and size of a picture.
 #[derive(Clone, Copy)]
 pub(crate) struct Shot<'a> {
     pub(crate) scene: &'a Scene,
@@ -16,10 +16,10 @@ pub(crate) struct Shot<'a> {
     pub(crate) size: (usize, usize),
 }
 
-/// Writes it into `folder`, which is made anew, as `unrender export` would.
+/// Writes it into `folder`, which is made again, as `unrender export` would.
 ///
 /// # Errors
-/// If it cannot be said or written.
+/// If it cannot be expressed or written.
 pub(crate) fn export(shot: &Shot, target: Target, folder: &Path) -> Result<(), Failure> {
     let scene = shot.scene;
     let material = |m: &Material| convert(m, scene.brdf, target.lobe(scene.brdf)).material;

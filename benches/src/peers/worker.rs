@@ -1,4 +1,4 @@
-//! A script of `benches/peers` that stays and is asked line by line, in JSON.
+//! A script of `benches/peers` that keeps running and answers requests line by line, in JSON.
 
 use crate::Failure;
 use serde_json::Value;
@@ -6,12 +6,12 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// A running script; it goes with the value.
+/// A running script; it is killed when the value is dropped.
 pub(crate) struct Worker {
     child: Child,
     questions: ChildStdin,
     answers: BufReader<ChildStdout>,
-    /// What it said when it was ready.
+    /// Its first line, which it printed when it was ready.
     pub(crate) greeting: Value,
 }
 
@@ -19,7 +19,7 @@ impl Worker {
     /// Starts `script` with `arguments` and waits until it is ready.
     ///
     /// # Errors
-    /// If it cannot be started or ends before that; what it said of that is on standard error.
+    /// If it cannot be started or ends before that; its messages are on standard error.
     pub(crate) fn start(
         python: &Path,
         script: &str,
@@ -27,11 +27,12 @@ impl Worker {
     ) -> Result<Self, Failure> {
         let mut command = Command::new(python);
         command.arg(crate::root().join("benches/peers").join(script)).args(arguments);
-        // Its modules are not to leave files among the sources.
+        // Its modules must not leave files among the sources.
         command.env("PYTHONDONTWRITEBYTECODE", "1");
         let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn()?;
-        let questions = child.stdin.take().ok_or("no way to ask")?;
-        let answers = BufReader::new(child.stdout.take().ok_or("no way to hear")?);
+        let questions = child.stdin.take().ok_or("the script has no standard input")?;
+        let answers =
+            BufReader::new(child.stdout.take().ok_or("the script has no standard output")?);
         let mut worker = Self { child, questions, answers, greeting: Value::Null };
         worker.greeting = worker.hear()?;
         Ok(worker)
@@ -46,7 +47,7 @@ impl Worker {
         self.hear()
     }
 
-    /// The next line that it says.
+    /// The next line that it prints.
     ///
     /// # Errors
     /// If it has ended.
@@ -55,7 +56,8 @@ impl Worker {
         if self.answers.read_line(&mut line)? == 0 {
             return Err("the script ended".into());
         }
-        serde_json::from_str(&line).map_err(|_| format!("the script said: {}", line.trim()).into())
+        serde_json::from_str(&line)
+            .map_err(|_| format!("the script printed: {}", line.trim()).into())
     }
 }
 

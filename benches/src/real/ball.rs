@@ -18,25 +18,25 @@ use unrender::scene::{Image, Rgb};
 
 /// The sphere's image, fitted to the data set's normals, pixels.
 const CIRCLE: Circle = Circle { x: 308.37, y: 264.37, radius: 70.75 };
-/// The cutting that is used: its left and top pixel, and its side.
+/// The crop that is used: its left and top pixel, and its side.
 const LEFT: usize = 228;
 const TOP: usize = 184;
 const SIDE: usize = 160;
-/// The photographs that materials are recovered from: every 16th of 96, from the 9th.
+/// The photographs from which materials are recovered: every 16th of 96, from the 9th.
 const PHOTOGRAPHS: [usize; 6] = [9, 25, 41, 57, 73, 89];
 /// The sets of several photographs, each under its lamp: every photograph is in one of two and in two of four.
 const SEVERAL: [&[usize]; 6] =
     [&[9, 57], &[25, 73], &[41, 89], &[9, 25, 57, 73], &[25, 41, 73, 89], &[9, 41, 57, 89]];
 /// The lamps that are predicted: every 8th, from the 5th; none is among the photographs.
 const LAMPS: [usize; 12] = [5, 13, 21, 29, 37, 45, 53, 61, 69, 77, 85, 93];
-/// Paths a pixel of a prediction. Light is direct and distant, so they serve its edges alone, and
-/// pixels at the rim do not count: at half or double, the error of a
-/// lamp changes by less than 0.0001.
+/// Paths per pixel of a prediction. Light is direct and distant, so they only serve the edges, and
+/// pixels at the rim are not used: at half or double, the error of a lamp changes by less than
+/// 0.0001.
 const PATHS: u32 = 16;
-/// What is asked for, and what the estimator before this page reached.
+/// The goal, and the error of the estimator before this page.
 const ASKED: f64 = 0.105;
 const EARLIER: f64 = 0.173;
-/// The same of two photographs, and of four.
+/// The goals for two photographs, and for four.
 const ASKED_OF_TWO: f64 = 0.085;
 const ASKED_OF_FOUR: f64 = 0.07;
 
@@ -46,30 +46,29 @@ const SEVERAL_SAY: &str =
 
 const INTRODUCTION: &str = "## A glossy ball: one photograph predicts others
 
-From one photograph under one lamp the ball's material is recovered; with it, the ball is rendered
-under 12 other lamps and compared with the photographs that were taken there. Photographs 9, 25, 41,
-57, 73 and 89 of 96, lamps 5, 13, ... 93: of the evenly spaced sets that were tried, the one in which
-Lambert's law comes closest to an earlier measurement (0.156); recovery was not looked at. The error is the
-root mean square over the ball's pixels and channels, both pictures divided by the lamp's
-intensity, relative to the photograph's mean. Pixels at the rim and pixels that the photograph
-clips do not count.
-Lambert and one lobe are fitted to the same photograph by weighted least squares, without a renderer.
-The last line has the error of one isotropic lobe that is fitted to the 12 photographs that are predicted:
-so much is left of them by a lobe of Ward's that knows them. Anisotropic lobes are a little nearer.
+From one photograph under one lamp the ball's material is recovered; with it, the ball is rendered under 12 other lamps
+and compared with the photographs that were taken there. Photographs 9, 25, 41, 57, 73 and 89 of 96, lamps 5, 13, ...
+93: of the evenly spaced sets that were tried, the one in which Lambert's law comes closest to an earlier measurement
+(0.156); recovery results were not used for the choice. The error is the root mean square over the ball's pixels and
+channels, both pictures divided by the lamp's intensity, relative to the photograph's mean. Pixels at the rim and pixels
+that the photograph clips are not used. Lambert and one lobe are fitted to the same photograph by weighted least
+squares, without a renderer. The last line has the error of one isotropic lobe that is fitted to the 12 photographs that
+are predicted: this is about the limit for an isotropic lobe of Ward's. Anisotropic lobes are a
+little better.
 ";
 
-/// The data set, read as it is asked for.
+/// The data set; photographs are read when they are needed.
 struct Diligent {
     folder: PathBuf,
     lamps: Vec<Lamp>,
-    /// The ball without its rim, in the cutting.
+    /// The ball without its rim, in the crop.
     inside: Vec<bool>,
 }
 
 /// Writes the projects, recovers and scores.
 ///
 /// # Errors
-/// If the data is not what it should be, or a recovery fails.
+/// If the data is not as expected, or a recovery fails.
 pub(super) fn measure(folder: &Path, bench: &Bench) -> Result<Option<Outcome>, Failure> {
     let data = Diligent::open(folder)?;
     for number in PHOTOGRAPHS {
@@ -153,7 +152,7 @@ fn several(data: &Diligent, by: &Unrender, bench: &Bench) -> Result<(String, f64
     Ok((table.text().to_owned(), two, four))
 }
 
-/// The sphere's image in the cutting.
+/// The sphere's image in the crop.
 fn circle() -> Circle {
     CIRCLE.within(LEFT, TOP)
 }
@@ -176,13 +175,13 @@ impl Diligent {
         Ok(data)
     }
 
-    /// That the mask is the circle, so that the data is what the constants here are made for.
+    /// Checks that the mask is the circle, so that the constants here fit the data.
     fn check(&self, mask: &Image<bool>) -> Result<(), Failure> {
         let area = mask.pixels().iter().filter(|inside| **inside).count() as f32;
         let radius = (area / std::f32::consts::PI).sqrt();
         if (radius - CIRCLE.radius).abs() > 0.5 || self.lamps.len() != 96 {
             let what = "the mask is not the ball's, or there are not 96 lamps";
-            return Err(format!("{}: {what}; take it at 86a1fbe", self.folder.display()).into());
+            return Err(format!("{}: {what}; use commit 86a1fbe", self.folder.display()).into());
         }
         Ok(())
     }
@@ -226,7 +225,7 @@ impl Diligent {
         Ok(atomic::write(&folder.join("project.toml"), project.as_bytes())?)
     }
 
-    /// The mean error to all lamps of what was recovered into `result`.
+    /// The mean error over all lamps of the recovery in `result`.
     fn rendered_error(&self, by: &Unrender, lamps: &Path, result: &Path) -> Result<f64, Failure> {
         let materials = result.join("materials.json");
         let materials = materials.to_str().ok_or("a path is not text")?;
@@ -243,7 +242,7 @@ impl Diligent {
         Ok(sum / LAMPS.len() as f64)
     }
 
-    /// The mean error to all lamps of a fit to the photographs `numbers`, and its roughness.
+    /// The mean error over all lamps of a fit to the photographs `numbers`, and its roughness.
     fn fitted_error(&self, numbers: &[usize], lobe: bool) -> Result<(f64, Option<f32>), Failure> {
         let mut samples = Vec::new();
         for &number in numbers {
@@ -283,7 +282,7 @@ impl Diligent {
         Ok((squares / count).sqrt() / (total / count))
     }
 
-    /// The pixels of a photograph that count: inside the ball and not clipped.
+    /// The pixels of a photograph that are used: inside the ball and not clipped.
     fn counted(&self, photograph: &Image<Rgb>) -> impl Iterator<Item = usize> {
         let clipped = |code: &Rgb| code.max_element() >= 1.0;
         let counts = self.inside.iter().zip(photograph.pixels());
@@ -292,12 +291,12 @@ impl Diligent {
     }
 }
 
-/// The normal at the centre of a pixel of the cutting.
+/// The normal at the centre of a pixel of the crop.
 fn normal(index: usize) -> Option<Vec3> {
     circle().normal((index % SIDE) as f32 + 0.5, (index / SIDE) as f32 + 0.5)
 }
 
-/// The cutting of a picture of the data set, as code values.
+/// The crop of a picture of the data set, as code values.
 fn cut(path: &Path) -> Result<Image<Rgb>, Failure> {
     super::cut(path, LEFT, TOP, SIDE)
 }

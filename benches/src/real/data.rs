@@ -1,21 +1,21 @@
-//! Where the photographs are, and what is said where they are absent.
+//! The sources of the photographs, and the message if they are absent.
 
 use std::fmt::{Display, Formatter, Result as Written};
 use std::path::{Path, PathBuf};
 
 /// A set of photographs by others.
 pub(crate) struct Source {
-    /// What it is.
+    /// Its name.
     name: &'static str,
-    /// Where it is published, and which version.
+    /// The place of its publication, and the version.
     place: &'static str,
-    /// What its licence allows.
+    /// Its licence.
     licence: &'static str,
-    /// The folder in it that a run needs.
+    /// The folder of it that a run needs.
     folder: &'static str,
     /// A file that is always in that folder.
     mark: &'static str,
-    /// The option of the command, and the variable of the environment.
+    /// The option of the command, and the environment variable.
     given_by: [&'static str; 2],
 }
 
@@ -63,10 +63,10 @@ impl Display for Absent {
 impl std::error::Error for Absent {}
 
 impl Source {
-    /// The folder with the data: the one `given` by the option, or else by the environment.
+    /// The folder with the data: `given` by the option, or else by the environment variable.
     ///
     /// # Errors
-    /// If none was given, or it is another folder.
+    /// If none was given, or if it lacks the data.
     pub(crate) fn find(&self, given: Option<&Path>) -> Result<PathBuf, Absent> {
         let [option, variable] = self.given_by;
         let in_environment = || std::env::var_os(variable).map(PathBuf::from);

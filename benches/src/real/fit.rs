@@ -1,8 +1,8 @@
-//! Least squares without a renderer: Lambert alone, or with one isotropic lobe of Ward, on pixels
-//! whose normal, light and view direction are given.
+//! Least squares without a renderer: Lambert's law alone, or with one isotropic lobe of Ward, on
+//! pixels with given normal, light and view direction.
 //!
 //! The residual of a pixel is divided by sqrt((0.05 g)^2 + (0.05 m)^2), where m is the model's light
-//! and g its mean over the pixels, by channel; both are iterated. The roughness is searched on a
+//! and g its mean over the pixels, per channel; both are iterated. The roughness is searched on a
 //! grid; reflectances follow by non-negative least squares in closed form. Cost: pixels x
 //! roughnesses x iterations.
 
@@ -13,15 +13,15 @@ use unrender::render::GlossyLobe;
 use unrender::scene::WardModel;
 
 /// Model error as a share of the mean light and of the pixel's own light. A common factor of the two
-/// leaves the minimum where it is; half or double of one alone makes the mean error on the ball of
-/// DiLiGenT 0.101 or 0.106 instead of 0.103.
+/// does not move the minimum; half or double of one alone changes the mean error on the ball of
+/// DiLiGenT from 0.103 to 0.101 or 0.106.
 const SHARE: f64 = 0.05;
 
 /// Iterations of the weights. Three or ten give the same three digits of that error.
 const ITERATIONS: usize = 5;
 
-/// Roughnesses that are tried, from 0.02 to 1 in steps of 10 %. Half as many move that error by less
-/// than 0.001; double takes twice the time.
+/// Roughnesses that are tried, from 0.02 to 1 in steps of 10 %. Half as many change that error by
+/// less than 0.001; double takes twice the time.
 const ROUGHNESSES: i32 = 40;
 
 /// A point of a surface, with the measured radiance under a lamp.
@@ -125,7 +125,8 @@ fn non_negative(basis: &[[f64; 2]], values: &[f64], weights: &[f64]) -> [f64; 2]
     if gain(a, ay) >= gain(b, by) { [a, 0.0] } else { [0.0, b] }
 }
 
-/// What a diffuse and a glossy reflectance of one send to the camera under unit irradiance.
+/// The radiance towards the camera of a diffuse and of a glossy reflectance of one under unit
+/// irradiance.
 fn terms(normal: Vec3, lamp: Lamp, alpha: Option<f32>) -> [f64; 2] {
     let cosine = f64::from(normal.dot(lamp.towards));
     if cosine <= 0.0 || normal.dot(TO_CAMERA) <= 0.0 {

@@ -2,7 +2,7 @@
 //!
 //! The photographs are linear, of 8 bits. The direction to each lamp is that of its highlight on a
 //! chrome sphere: l = 2 (n . v) n - v, with n the normal at the highlight and v the direction to the
-//! camera. The lamps are taken to be equally bright.
+//! camera. The lamps are assumed to be equally bright.
 
 use super::sphere::{Circle, GROUP, Lamp};
 use super::{Bench, Outcome, group, hypothesis, three};
@@ -17,39 +17,40 @@ use unrender::scene::{Image, Rgb};
 /// The spheres' images: the middle and half the sides of their masks' bounding boxes, pixels.
 const CHROME: Circle = Circle { x: 254.0, y: 148.5, radius: 119.25 };
 const GRAY: Circle = Circle { x: 245.0, y: 145.0, radius: 108.0 };
-/// The cutting of the gray sphere that is used: its left and top pixel, and its side.
+/// The crop of the gray sphere that is used: its left and top pixel, and its side.
 const LEFT: usize = 129;
 const TOP: usize = 29;
 const SIDE: usize = 232;
-/// The cutting of the chrome sphere.
+/// The crop of the chrome sphere.
 const CHROME_LEFT: usize = 134;
 const CHROME_TOP: usize = 28;
 const CHROME_SIDE: usize = 240;
 const PHOTOGRAPHS: usize = 12;
 /// A pixel of the highlight: a code of 250 of 255 or more in every channel. At half of that, as at
-/// 200 or 254, no direction changes by more than 0.5 degrees. Double is no code.
+/// 200 or 254, no direction changes by more than 0.5 degrees. Double is above the largest code.
 const HIGHLIGHT: f32 = 250.0 / 255.0;
 /// The irradiance of every lamp. The true one is unknown; this makes a white diffuse surface that
 /// faces the lamp have radiance one, so that albedos are codes over cosines. Another value scales all
-/// albedos alike, and leaves their spread.
+/// albedos equally, and does not change their spread.
 const IRRADIANCE: f32 = PI;
-/// What is asked for: twelve albedos within 1 % of each other, as their relative standard deviation.
+/// The goal: a relative standard deviation of the twelve albedos of 1 %.
 const ASKED: f64 = 0.01;
 
 const INTRODUCTION: &str = "## A gray sphere: twelve lamps, one albedo
 
 A sphere of one gray paint was photographed under 12 lamps. From each photograph its diffuse
-reflectance is recovered; all twelve should agree. Directions to the lamps come from their highlights
-on a chrome sphere; their brightness is unknown and taken to be equal, so the unit of the reflectance is
-arbitrary. `least squares` is the equal-weight fit of Lambert's law without a renderer: its spread is
-that of the photographs, of the directions and of the lamps. The spread is the standard deviation of
-the twelve over their mean; `range` is the greatest less the least over it.
+reflectance is recovered; all twelve should agree. Directions to the lamps come from their
+highlights on a chrome sphere; their brightness is unknown and assumed to be equal, so the unit of
+the reflectance is arbitrary. `least squares` is the equal-weight fit of Lambert's law without a
+renderer: its spread is that of the photographs, of the directions and of the lamps. The spread is
+the standard deviation of the twelve over their mean; `range` is the greatest minus the least, over
+the mean.
 ";
 
 /// Writes the projects, recovers and scores.
 ///
 /// # Errors
-/// If the data is not what it should be, or a recovery fails.
+/// If the data is not as expected, or a recovery fails.
 pub(super) fn measure(folder: &Path, bench: &Bench) -> Result<Option<Outcome>, Failure> {
     let mut fitted = Vec::new();
     for number in 0..PHOTOGRAPHS {
@@ -84,7 +85,7 @@ pub(super) fn measure(folder: &Path, bench: &Bench) -> Result<Option<Outcome>, F
     Ok(Some(Outcome { text: format!("{INTRODUCTION}\n{}\n`{line}`\n", table.text()), line }))
 }
 
-/// The relative standard deviation, and the distance of the greatest from the least.
+/// The relative standard deviation, and the relative difference of the greatest and the least.
 fn spread(values: &[f64]) -> String {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let squares: f64 = values.iter().map(|value| (value / mean - 1.0).powi(2)).sum();
@@ -119,8 +120,8 @@ fn at(circle: &Circle, side: usize, index: usize) -> Option<Vec3> {
     circle.normal((index % side) as f32 + 0.5, (index / side) as f32 + 0.5)
 }
 
-/// The equal-weight fit of Lambert's law to the mean of the channels, the outermost 2 pixels left
-/// out.
+/// The equal-weight fit of Lambert's law to the mean of the channels, without the outermost 2
+/// pixels.
 fn least_squares(photograph: &Image<Rgb>, towards: Vec3) -> f64 {
     let circle = GRAY.within(LEFT, TOP);
     let inner = Circle { radius: circle.radius - 2.0, ..circle };

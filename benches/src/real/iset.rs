@@ -16,13 +16,13 @@ use unrender::scene::{Image, Rgb};
 
 const PHOTOGRAPHS: [&str; 3] = ["photo0", "photo1", "photo2"];
 const WHITE: [&str; 3] = ["back_wall", "floor", "ceiling"];
-/// What is asked for in the first photograph.
+/// The goal for the first photograph.
 const ASKED: f64 = 0.11;
-/// And from all three together.
+/// The goal for all three together.
 const ASKED_TOGETHER: f64 = 0.08;
 /// The object that stands elsewhere in each photograph.
 const MOVED: &str = "chart";
-/// Pixels about it that do not count either: it throws a shadow that the scene without it lacks.
+/// Pixels around it that are not used either: it casts a shadow that the scene without it lacks.
 const ABOUT: usize = 24;
 
 const INTRODUCTION: &str = "## A box with measured walls
@@ -43,7 +43,7 @@ struct Errors {
 /// Recovers and scores.
 ///
 /// # Errors
-/// If the data is not what it should be, or a recovery fails.
+/// If the data is not as expected, or a recovery fails.
 pub(super) fn measure(folder: &Path, bench: &Bench) -> Result<Option<Outcome>, Failure> {
     let path = folder.join("truth.json");
     let truth: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
@@ -74,8 +74,8 @@ pub(super) fn measure(folder: &Path, bench: &Bench) -> Result<Option<Outcome>, F
     Ok(Some(Outcome { text: format!("{INTRODUCTION}\n{}\n`{line}`\n", table.text()), line }))
 }
 
-/// Writes the project of all three photographs into `to`. The box and the camera are the same in all of them, but for
-/// a chart that was moved: the scene is without it, and what shows it does not count.
+/// Writes the project of all three photographs into `to`. The box and the camera are the same in all of them, except
+/// for a chart that was moved: the scene is without it, and pixels that show it are not used.
 fn write_together(folder: &Path, to: &Path) -> Result<PathBuf, Failure> {
     let mut project = "scene = \"scene.glb\"\nresponse = \"srgb\"\nexposure = \"auto\"\n\n\
                        [anchor]\ngroup = \"back_wall\"\nrho_d = [0.885, 0.885, 0.885]\n\n\
@@ -128,7 +128,7 @@ impl Errors {
         })
     }
 
-    /// The row of the table of what is called `name`.
+    /// The row of the table called `name`.
     fn row(&self, name: &str) -> [String; 5] {
         let percent = |error: f64| format!("{:+.1} %", 100.0 * error);
         let [a, b, c] = [self.red_r, self.red_g, self.green_colour].map(percent);

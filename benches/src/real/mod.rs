@@ -1,9 +1,10 @@
-//! Recovery from real photographs, scored: `cargo run --release -p unrender-benches -- real`.
+//! Recovers from real photographs, and scores the results: `cargo run --release -p unrender-benches
+//! -- real`.
 //!
-//! The photographs belong to others and are not part of the repository; `docs/validation/real.md`,
-//! which this module writes, says where each set is and how to fetch it. A case whose data is absent is left
-//! out, and said to be. Every case has two steps: it writes projects (`--prepare` stops there), and
-//! it scores the `result` folders beside them (`--score` does only that).
+//! The photographs belong to others and are not part of the repository; `docs/validation/real.md`, which
+//! this module writes, describes where each set is and how to fetch it. A case whose data is absent is left
+//! out, with a message. Every case has two steps: it writes projects (`--prepare` stops there), and it
+//! scores the `result` folders beside them (`--score` does only that).
 
 mod ball;
 mod data;
@@ -24,20 +25,22 @@ use unrender::formats::materials::{self, GroupEntry, MaterialsFile};
 use unrender::formats::{atomic, picture};
 use unrender::scene::{Image, Rgb};
 
-/// What to recover from real photographs, and where they are.
+/// Recovers materials from real photographs and scores them.
 #[derive(Args)]
 pub(crate) struct RealRequest {
-    /// The cases [default: all whose data is there].
+    /// The cases [default: all whose data is available].
     #[arg(value_enum)]
     cases: Vec<Case>,
-    /// The folder `Datasets/Ball_DiliGenT` of yqueau/robust_ps at 86a1fbe [default: UNRENDER_BALL of the environment].
+    /// The folder `Datasets/Ball_DiliGenT` of yqueau/robust_ps at 86a1fbe [default: the environment variable
+    /// UNRENDER_BALL].
     #[arg(long, value_name = "DIR")]
     ball: Option<PathBuf>,
-    /// The folder `images` of NewProggie/Photometric-Stereo [default: UNRENDER_GRAY of the environment].
+    /// The folder `images` of NewProggie/Photometric-Stereo [default: the environment variable
+    /// UNRENDER_GRAY].
     #[arg(long, value_name = "DIR")]
     gray: Option<PathBuf>,
-    /// The folder with photo0, photo1, photo2 and truth.json of the measured box [default: UNRENDER_ISET of the
-    /// environment].
+    /// The folder with photo0, photo1, photo2 and truth.json of the measured box [default: the environment
+    /// variable UNRENDER_ISET].
     #[arg(long, value_name = "DIR")]
     iset: Option<PathBuf>,
     /// The unrender command to measure [default: that of this repository, built].
@@ -52,7 +55,7 @@ pub(crate) struct RealRequest {
     /// Write the projects and stop.
     #[arg(long, conflicts_with = "score")]
     prepare: bool,
-    /// Score the results that are there; recover nothing.
+    /// Score existing results; recover nothing.
     #[arg(long)]
     score: bool,
     /// More options for `unrender recover`, after `--`.
@@ -73,7 +76,7 @@ pub(crate) enum Case {
     Wall,
 }
 
-/// What a case has to say.
+/// The result of a case.
 pub(crate) struct Outcome {
     /// Markdown, from its heading on.
     pub(crate) text: String,
@@ -81,7 +84,7 @@ pub(crate) struct Outcome {
     pub(crate) line: String,
 }
 
-/// How far a run goes, and by which command.
+/// The steps of a run, and its command.
 pub(crate) struct Bench<'a> {
     command: Option<&'a Unrender>,
     folder: PathBuf,
@@ -109,10 +112,10 @@ impl Case {
     }
 }
 
-/// Runs the cases that are asked for, prints their tables and last lines, and writes the page.
+/// Runs the requested cases, prints their tables and last lines, and writes the page.
 ///
 /// # Errors
-/// If a case that was named has no data, or one fails; the others are measured.
+/// If a named case has no data, or one fails; the others are measured.
 pub(crate) fn run(request: &RealRequest) -> Result<(), Failure> {
     let command = match &request.command {
         _ if request.prepare => None,
@@ -152,12 +155,12 @@ pub(crate) fn run(request: &RealRequest) -> Result<(), Failure> {
 }
 
 impl Bench<'_> {
-    /// The command; none if only projects are wanted.
+    /// The command; none if only projects are written.
     pub(crate) fn command(&self) -> Option<&Unrender> {
         self.command
     }
 
-    /// The folder `name` of this case, made where it is missing.
+    /// The folder `name` of this case, made if it is missing.
     ///
     /// # Errors
     /// If it cannot be made.
@@ -168,10 +171,10 @@ impl Bench<'_> {
         Ok(folder)
     }
 
-    /// Recovers `project` into the folder `result`, unless what is there is to be scored.
+    /// Recovers `project` into the folder `result`, unless existing results are to be scored.
     ///
     /// # Errors
-    /// If that fails, or nothing is there.
+    /// If that fails, or there is no result.
     pub(crate) fn recover(&self, project: &Path, result: &Path) -> Result<MaterialsFile, Failure> {
         if let (true, Some(command)) = (self.recovers, self.command) {
             eprintln!("{}", project.display());
@@ -203,7 +206,7 @@ pub(crate) fn three(values: Option<[f32; 3]>, digits: usize) -> String {
     values.map_or_else(|| "-".to_owned(), |values| values.map(one).join(" "))
 }
 
-/// The square of `side` pixels of the picture at `path` that begins at pixel (`left`, `top`), as
+/// The square crop of `side` pixels of the picture at `path`, from pixel (`left`, `top`) on, as
 /// code values from 0 to 1.
 ///
 /// # Errors
@@ -218,7 +221,7 @@ pub(crate) fn cut(
     let whole = whole.values;
     if whole.width() < left + side || whole.height() < top + side {
         let size = format!("{} x {} pixels", whole.width(), whole.height());
-        return Err(format!("{}: {size} are not those of the data set", path.display()).into());
+        return Err(format!("{}: its {size} are not those of the data set", path.display()).into());
     }
     Ok(Image::from_fn(side, side, |x, y| *whole.at(left + x, top + y)))
 }

@@ -1,4 +1,4 @@
-//! `real.md`: how to fetch the photographs, and a section a case.
+//! Writes `real.md`: how to fetch the photographs, and a section per case.
 
 use super::Case;
 use crate::{Failure, machine, page};
@@ -10,8 +10,8 @@ const FILE: &str = "real.md";
 
 const HEAD: &str = "# Real photographs
 
-What recovery makes of photographs that were not rendered, and of one hard synthetic case. The
-photographs belong to others: they are fetched by whoever runs this, and are no part of the repository.
+Recoveries from photographs that were not rendered, and of one hard synthetic case. The photographs
+belong to others: whoever runs this fetches them, as they are not part of the repository.
 
 | case | where | licence | option |
 |---|---|---|---|
@@ -33,8 +33,8 @@ A name (`real ball`) runs one case. `--prepare` writes the projects and stops; `
 written by the command.
 ";
 
-/// Puts the section of the case called `name` onto the page in `folder`, with what it was measured on below
-/// its heading.
+/// Writes the section of the case called `name` into the page in `folder`, with the machine and version
+/// below its heading.
 ///
 /// # Errors
 /// If it cannot be written.

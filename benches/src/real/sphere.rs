@@ -23,7 +23,7 @@ const DISTANCE: f32 = 200.0;
 
 /// Quadrilaterals along an edge of the cube that becomes the sphere: 49 152 triangles. The
 /// silhouette is 2 10^-5 radii too small, 10^-3 pixels. At half it is four times that; double takes
-/// four times the memory for nothing that a pixel shows.
+/// four times the memory for no visible difference.
 const CELLS: i32 = 64;
 
 /// A sphere's image: a circle, in pixels from the photograph's top left corner.
@@ -44,14 +44,14 @@ pub(crate) struct Lamp {
 }
 
 impl Circle {
-    /// The unit normal of the sphere at this point of the photograph; none beside the circle.
+    /// The unit normal of the sphere at this point of the photograph; none outside the circle.
     pub(crate) fn normal(&self, x: f32, y: f32) -> Option<Vec3> {
         let (x, y) = ((x - self.x) / self.radius, (self.y - y) / self.radius);
         let z2 = 1.0 - x * x - y * y;
         (z2 > 0.0).then(|| Vec3::new(x, y, z2.sqrt()))
     }
 
-    /// The same circle in a cutting of the photograph that begins at pixel (`left`, `top`).
+    /// The same circle in a crop of the photograph from pixel (`left`, `top`) on.
     pub(crate) fn within(self, left: usize, top: usize) -> Self {
         Self { x: self.x - left as f32, y: self.y - top as f32, ..self }
     }

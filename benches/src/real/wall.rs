@@ -1,4 +1,4 @@
-//! A wall with ten dark rectangles that the model lacks, in closed form.
+//! A synthetic photograph of a wall with ten dark rectangles that the model lacks.
 //!
 //! A diffuse wall under a point light has radiance rho / pi * I cos / r^2. The photograph is that,
 //! with another rho in the rectangles, times Gaussian noise; the model is the plain wall.
@@ -24,14 +24,14 @@ const BRIGHTEST: f64 = 0.35;
 const SIDES: [usize; 2] = [29, 15];
 /// The noise's standard deviation as a share of the pixel.
 const NOISE: f64 = 0.01;
-/// Metres a pixel of the wall, which is the plane z = 0 with its centre at the origin.
+/// Metres per pixel of the wall, which is the plane z = 0 with its centre at the origin.
 const PITCH: f32 = 0.01;
 /// The camera's distance, metres.
 const DISTANCE: f32 = 2.5;
-/// Where the lamp is, metres, and its radiant intensity.
+/// The place of the lamp, metres, and its radiant intensity.
 const LAMP: Vec3 = Vec3::new(0.4, 0.6, 1.8);
 const INTENSITY: f32 = 8.0;
-/// How far from the truth the reflectance may be.
+/// The largest allowed error of the reflectance.
 const ASKED: f64 = 0.02;
 
 const INTRODUCTION: &str = "## A wall with dark rectangles
@@ -76,7 +76,7 @@ fn white(x: usize, y: usize) -> f64 {
     f64::from(INTENSITY) * f64::from(way.z) / square.sqrt() / square / PI
 }
 
-/// The reflectance that the photograph shows in a pixel.
+/// The reflectance in a pixel of the photograph.
 fn painted(x: usize, y: usize) -> f64 {
     for index in 0..10 {
         // Five columns and two rows; odd columns are 11 pixels lower.
@@ -89,7 +89,7 @@ fn painted(x: usize, y: usize) -> f64 {
     RHO
 }
 
-/// The wall with its rectangles and noise, the same at every run.
+/// The wall with its rectangles and noise, the same in every run.
 fn photograph() -> Image<Rgb> {
     let mut state = 1_u64;
     Image::from_fn(WIDTH, HEIGHT, |x, y| {

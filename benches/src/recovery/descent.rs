@@ -1,4 +1,4 @@
-//! Mitsuba's own way: gradient descent on all parameters.
+//! Recovery by Mitsuba: gradient descent on all parameters.
 
 use super::LIMITS;
 use crate::Failure;
@@ -9,10 +9,10 @@ use std::path::Path;
 use unrender::formats::picture;
 use unrender::scene::{Material, Rgb, RgbImage, Scene};
 
-/// How many times our errors Mitsuba may have.
+/// The errors that Mitsuba may have, as a multiple of ours.
 const FACTOR: f64 = 2.0;
 const SPP: u32 = 16;
-/// The ceiling is not in the picture and was given to both.
+/// The ceiling is not in the picture, and both are given its material.
 const KNOWN: &str = "ceil";
 const START_DEG: f64 = 20.0;
 
@@ -22,13 +22,13 @@ pub(crate) struct Descent {
     pub(crate) version: String,
     /// Seconds until the errors were small enough.
     pub(crate) arrived: Option<f64>,
-    /// Seconds, and the largest error in units of what is asked of us.
+    /// Seconds, and the largest error in units of our limit.
     pub(crate) errors: Vec<(f64, f64)>,
     size: (usize, usize),
     last: Value,
 }
 
-/// The largest of three errors, each in units of what is asked of us.
+/// The largest of three errors, each in units of our limit.
 pub(crate) fn share(rho: f64, alpha_percent: f64, degrees: f64) -> f64 {
     let of = |error: f64, limit: Option<f64>| error / limit.unwrap_or(f64::INFINITY);
     of(rho, LIMITS.rho)
@@ -39,7 +39,7 @@ pub(crate) fn share(rho: f64, alpha_percent: f64, degrees: f64) -> f64 {
 /// Descends on the photograph of Figure 8 for at most `give_up` seconds.
 ///
 /// # Errors
-/// If Mitsuba cannot do that here.
+/// If Mitsuba fails here.
 pub(crate) fn run(
     python: &Path,
     truth: &Scene,
@@ -87,7 +87,7 @@ pub(crate) fn run(
     Ok(descent)
 }
 
-/// What the script is to do.
+/// The request to the script.
 fn asked(truth: &Scene, scene: &Path, photo: &Path, rate: f64, give_up: f64) -> Value {
     let asked: Vec<_> =
         truth.groups.iter().filter(|g| !g.is_emitter() && g.name != KNOWN).collect();

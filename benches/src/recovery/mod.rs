@@ -1,8 +1,8 @@
-//! Recovery of Figure 8: how long it takes us, and how long a general differentiable renderer.
+//! The time to recover Figure 8: ours, and that of a general differentiable renderer.
 //!
 //! Ours is the command from its start to its end, on the whole photograph. Mitsuba descends on the
-//! photograph at half the size, which has a quarter of the pixels, from a start that knows all
-//! groups but one to be diffuse; its clock stops when its errors are within twice ours.
+//! photograph at half the size, which has a quarter of the pixels, and is told that all groups
+//! except one are diffuse; its clock stops when its errors are within twice ours.
 
 mod descent;
 
@@ -24,13 +24,13 @@ use unrender::score::{self, GroupScore, Limits, Worst};
 /// Recoveries may take this many renderings of [`SPP`].
 const RENDERINGS: f64 = 6.0;
 const SPP: u32 = 256;
-/// The share of Mitsuba's time.
+/// The largest allowed share of Mitsuba's time.
 const GOAL: f64 = 1.0 / 20.0;
-/// What is to be reached; Mitsuba has twice as much.
+/// The largest allowed errors; Mitsuba may have twice these.
 pub(crate) const LIMITS: Limits =
     Limits { rho: Some(0.005), alpha_percent: Some(2.0), degrees: Some(0.5) };
 
-/// What our recovery took.
+/// The measurements of our recovery.
 struct Ours {
     seconds: Vec<f64>,
     renderings: Vec<f64>,
@@ -38,11 +38,11 @@ struct Ours {
     worst: Worst,
     /// Whether the result is within [`LIMITS`].
     is_within: bool,
-    /// From when on the estimates were within them, seconds.
+    /// The time from which on the estimates were within them, seconds.
     first_within: Option<f64>,
 }
 
-/// Measures, and says what came out.
+/// Measures, and returns the section.
 ///
 /// # Errors
 /// If our command fails.
@@ -58,7 +58,7 @@ pub(crate) fn measure(effort: Effort) -> Result<Section, Failure> {
             Vec::new()
         }
     };
-    // Once more after theirs, that both have had the machine at about the same time.
+    // Again after theirs, so that both used the machine at about the same time.
     if effort == Effort::Full {
         let again = self::ours(&command, &folder, effort)?;
         ours.seconds.extend(again.seconds);
@@ -102,7 +102,7 @@ fn ours(command: &Unrender, folder: &Path, effort: Effort) -> Result<Ours, Failu
     })
 }
 
-/// The time of the first iteration that is close and that no other follows which is not.
+/// The time of the iteration from which on all are within the limits.
 fn within_from(
     iterations: &[IterationEntry],
     is_close: impl Fn(&IterationEntry) -> bool,
@@ -116,7 +116,7 @@ fn rho(worst: &Worst) -> Option<f64> {
     [worst.rho_d, worst.rho_s].into_iter().flatten().reduce(f64::max)
 }
 
-/// Where a recovery stood after an iteration, beside the truth.
+/// The state of a recovery after an iteration, compared with the truth.
 fn scores_of(iteration: &IterationEntry, truth: &MaterialsFile) -> Vec<GroupScore> {
     let entry = |group: &GroupIterationEntry| GroupEntry {
         hypothesis: Some(group.hypothesis),
@@ -131,14 +131,14 @@ fn scores_of(iteration: &IterationEntry, truth: &MaterialsFile) -> Vec<GroupScor
     let groups =
         iteration.groups.iter().map(|(name, group)| (name.clone(), entry(group))).collect();
     let found = MaterialsFile { groups, ..MaterialsFile::default() };
-    // Figure 8 has no textures, whose files would be looked for in these folders.
+    // Figure 8 has no textures; their files would be in these folders.
     let here = Path::new(".");
     let mut scores = score::score(&found, here, truth, here).unwrap_or_default();
     scores.retain(|score| iteration.groups.contains_key(&score.group));
     scores
 }
 
-/// One descent a learning rate.
+/// One descent per learning rate.
 fn theirs(folder: &Path, effort: Effort) -> Result<Vec<Descent>, Failure> {
     let rates: &[f64] = effort.pick(&[0.02], &[0.02, 0.04]);
     let scene = scenes::figure8()?;
@@ -237,13 +237,13 @@ fn text(ours: &Ours, descents: &[Descent]) -> String {
     )
 }
 
-const EXPLANATION: &str = "The largest errors of all groups against the truth. Ours is \
-`unrender recover examples/fig8/fig8.toml` as a process, from reading its files to the report; `within` is from when on its estimates were so close, as \
-`run.json` has it; nobody who does not know the truth knows that it is, and so it goes on. Mitsuba (`prb`, \
-`llvm_ad_rgb`, Adam; `benches/peers/mitsuba_recover.py`) has the photograph at half the size, 16 \
-paths a pixel, our lobe for the floor and diffuse reflectances elsewhere, and begins with \
-reflectances of 0.5 (twice 0.25 for the floor), roughnesses of 0.1 and 0.12, and a direction 20 degrees off. Its clock runs \
-without reading, compiling and the comparison with the truth, until it is within twice the errors that are \
-asked of us: 0.01, 4 % and 1 degree. The plot has the worst of the three errors, each in units of \
-what is asked of us.
+const EXPLANATION: &str = "The largest errors of all groups against the truth. Ours is `unrender \
+recover examples/fig8/fig8.toml` as a process, from reading its files to the report; `within` is \
+the time in `run.json` from which on its estimates were that close; it continues, since without \
+the truth this is not known. Mitsuba (`prb`, `llvm_ad_rgb`, Adam; \
+`benches/peers/mitsuba_recover.py`) has the photograph at half the size, 16 paths a pixel, our \
+lobe for the floor and diffuse reflectances elsewhere, and begins with reflectances of 0.5 (twice \
+0.25 for the floor), roughnesses of 0.1 and 0.12, and a direction 20 degrees off. Its clock runs \
+without reading, compiling and the comparison with the truth, until it is within twice our limits: \
+0.01, 4 % and 1 degree. The plot has the worst of the three errors, each in units of our limit.
 ";

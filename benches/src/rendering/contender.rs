@@ -13,21 +13,21 @@ use unrender::scene::{Camera, Material, RgbImage, Scene};
 pub(crate) trait Contender {
     fn name(&self) -> String;
     fn version(&self) -> String;
-    /// The name of the picture that it converges to.
+    /// The name of the picture to which it converges.
     fn truth(&self) -> String;
-    /// What our RMSE is to be of its RMSE, at most.
+    /// The largest allowed ratio of our RMSE to its RMSE.
     fn goal(&self) -> f64;
-    /// From cheap to dear.
+    /// From fast to slow.
     fn settings(&self) -> Vec<String>;
     /// Whether the first picture of a setting takes longer than the next.
     fn compiles(&self) -> bool;
     /// A picture and the seconds that it took.
     fn render(&mut self, setting: usize, seed: u32) -> Result<(RgbImage, f64), Failure>;
-    /// A picture of much less noise.
+    /// A picture with much less noise.
     fn converged(&mut self, seed: u32) -> Result<RgbImage, Failure>;
 }
 
-/// unrender, whose pixels share what their paths find, as by default, or do not.
+/// The program unrender, with paths that pixels share, as by default, or with independent ones.
 pub(crate) struct Ours {
     shared: bool,
     tracer: Tracer,
@@ -130,7 +130,7 @@ impl ByMitsuba {
         format!("Mitsuba {variant}, {lobe}, {sampler}")
     }
 
-    /// Squares, as `multijitter` has them; few for the variant that is slow.
+    /// Square numbers, as `multijitter` needs; few for the slow variant.
     fn spp(&self) -> &'static [u32] {
         let quick = self.effort == Effort::Quick || self.way.0 == "scalar_rgb";
         if quick { &[4, 16] } else { &[16, 64] }
@@ -167,7 +167,7 @@ impl Contender for ByMitsuba {
     }
 
     fn converged(&mut self, seed: u32) -> Result<RgbImage, Failure> {
-        // In parts that fit into memory.
+        // Rendered in parts that fit into memory.
         let (parts, spp) = self.effort.pick((1, 64), (8, 72));
         let mut sum: Option<RgbImage> = None;
         for part in 0..parts {
@@ -182,12 +182,12 @@ impl Contender for ByMitsuba {
     }
 }
 
-/// Pixel by pixel.
+/// The sum, pixel by pixel.
 fn added(a: &RgbImage, b: &RgbImage) -> RgbImage {
     RgbImage::from_fn(a.width(), a.height(), |x, y| *a.at(x, y) + *b.at(x, y))
 }
 
-/// Radiance's settings, from cheap to dear: with irradiance caching, and by paths alone.
+/// Radiance's settings, from fast to slow: with irradiance caching, and with paths alone.
 const SETTINGS: [Setting; 5] = [
     Setting { finer: 2, options: "-ab 3 -aa .2 -ad 128 -as 32 -ar 64 -ss 1 -lr 6 -lw 1e-3" },
     Setting { finer: 4, options: "-ab 3 -aa .2 -ad 128 -as 32 -ar 64 -ss 1 -lr 6 -lw 1e-3" },
@@ -195,13 +195,13 @@ const SETTINGS: [Setting; 5] = [
     Setting { finer: 2, options: "-ab 24 -aa 0 -ad 4 -as 0 -ss 1 -lr -8 -lw 1e-3" },
     Setting { finer: 4, options: "-ab 24 -aa 0 -ad 4 -as 0 -ss 1 -lr -8 -lw 1e-3" },
 ];
-/// As `render.sh` of the export has it: paths that end by chance, nothing kept.
+/// As in `render.sh` of the export: paths that end by Russian roulette, no caching.
 const CONVERGED: &str = "-ab 24 -aa 0 -ad 8 -as 0 -ss 6 -lr -30 -lw 1e-5";
 
 /// Radiance.
 pub(crate) struct ByRadiance {
     radiance: Radiance,
-    /// Rays in a row of a pixel, in what it converges to.
+    /// Rays in a row of a pixel, in the picture to which it converges.
     finest: usize,
     effort: Effort,
 }
@@ -252,7 +252,7 @@ impl Contender for ByRadiance {
     }
 
     fn converged(&mut self, _seed: u32) -> Result<RgbImage, Failure> {
-        // Its random numbers go by the second.
+        // Its random numbers change every second.
         std::thread::sleep(std::time::Duration::from_secs(1));
         Ok(self.radiance.render(Setting { finer: self.finest, options: CONVERGED })?.0)
     }

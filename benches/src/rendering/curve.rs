@@ -1,4 +1,4 @@
-//! Error over time.
+//! The error of a renderer over time.
 
 /// One picture.
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +19,8 @@ impl Curve {
         Self(points)
     }
 
-    /// The error after `seconds`: between two points on the straight line in logarithms, beyond
-    /// them as `seconds^(-1/2)`.
+    /// The error after `seconds`: between two points, interpolated linearly in logarithms; beyond
+    /// them, proportional to `seconds^(-1/2)`.
     pub(crate) fn error_at(&self, seconds: f64) -> f64 {
         let beyond = |p: &Point| p.error * (p.seconds / seconds).sqrt();
         let after = self.0.partition_point(|p| p.seconds < seconds);

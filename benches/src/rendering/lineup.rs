@@ -1,4 +1,4 @@
-//! Who renders a subject, and who could not be had.
+//! The renderers of a subject, and those that are not available.
 
 use super::Subject;
 use super::contender::{ByMitsuba, ByRadiance, Contender, Ours};
@@ -11,7 +11,7 @@ use unrender::scene::{BrdfModel, WardModel};
 pub(crate) struct Lineup {
     /// Ours first.
     pub(crate) here: Vec<Box<dyn Contender>>,
-    /// Those that cannot be had, by name.
+    /// Those that are not available, by name.
     pub(crate) missing: Vec<String>,
 }
 
@@ -56,7 +56,7 @@ fn ways(model: BrdfModel) -> &'static [Way] {
             ("scalar_rgb", Lobe::Beckmann, "independent"),
         ]
     } else {
-        // No program has the lobe of 1992, nor one that is like it.
+        // No program has the lobe of 1992, or a similar one.
         &[("llvm_ad_rgb", Lobe::Ward, "independent"), ("llvm_ad_rgb", Lobe::Ward, "multijitter")]
     }
 }

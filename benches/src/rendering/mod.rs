@@ -1,9 +1,9 @@
-//! Pictures at equal time: how far each renderer's are from what it converges to itself, so that
-//! differences between the models do not count.
+//! Pictures at equal time: the error of each renderer against the picture to which it converges
+//! itself, so that differences between the models do not count.
 //!
-//! In each round every renderer makes its pictures, from cheap to dear. The time of a picture leaves
-//! out reading the scene, making its tree, and what is compiled before the first picture. Our error
-//! at another's time lies on the line between our own pictures in logarithms, and beyond them on
+//! In each round every renderer makes its pictures, from fast to slow. The time of a picture
+//! excludes reading the scene, building its tree, and compiling before the first picture. Our error
+//! at another's time is interpolated between our own pictures in logarithms, and extrapolated by
 //! `error ~ time^(-1/2)`.
 
 mod contender;
@@ -24,13 +24,14 @@ use reference::References;
 use std::collections::BTreeSet;
 use unrender::scene::{Scene, WardModel};
 
-/// What is rendered, and who else is asked to.
+/// A scene to render, and the other renderers for it.
 struct Subject {
     name: &'static str,
-    /// In the names of files.
+    /// Its name in file names.
     file: &'static str,
     scene: Scene,
-    /// If Radiance knows its lobe: in what it converges to, a pixel has so many rays in a row.
+    /// If Radiance has its lobe: the rays in a row of a pixel, in the picture to which it
+    /// converges.
     radiance: Option<usize>,
 }
 
@@ -38,11 +39,11 @@ struct Subject {
 struct Measured {
     name: String,
     goal: f64,
-    /// By setting; for each its name and a point of each round.
+    /// For each setting its name, and a point per round.
     settings: Vec<(String, Vec<Point>)>,
 }
 
-/// Measures, and says what came out.
+/// Measures, and returns the section.
 ///
 /// # Errors
 /// If Figure 8 is not there, or a program that was there failed.
@@ -83,13 +84,13 @@ fn subjects(effort: Effort) -> Result<Vec<Subject>, Failure> {
             name: if triangles < 1_000_000 { "room" } else { "room, 1M triangles" },
             file: "room",
             scene: scenes::room(Room { triangles, panels: 1 }),
-            // Twice that would take a quarter of an hour.
+            // Twice as many would take a quarter of an hour.
             radiance: Some(2),
         },
     ])
 }
 
-/// All make their pictures in each round; the first round of all is not counted.
+/// All make their pictures in each round; the first round is not counted.
 fn rounds(contenders: &mut [Box<dyn Contender>], effort: Effort) -> Result<Vec<Measured>, Failure> {
     let mut references = References::default();
     let mut results: Vec<Measured> = contenders
@@ -102,7 +103,7 @@ fn rounds(contenders: &mut [Box<dyn Contender>], effort: Effort) -> Result<Vec<M
         .collect();
     for (contender, result) in contenders.iter_mut().zip(&mut results) {
         references.add(&mut **contender)?;
-        // Compiles what is compiled for this picture.
+        // The first picture of a setting compiles it.
         for setting in 0..result.settings.len() {
             if contender.compiles() {
                 contender.render(setting, u32::MAX)?;
@@ -214,17 +215,18 @@ fn text(
     .replace("SIDE", &side.to_string())
 }
 
-const EXPLANATION: &str = "Pictures of SIDE x SIDE pixels with a box filter, on all cores. RMSE is \
-over all pixels and channels, against what the same renderer converges to with the same model; the \
-noise that is left in that, known from its two halves, is taken out. Our pixels share what their \
-paths find where that pays, as they do by default, or do not (`--independent`); both are held to \
-what the default converges to. Medians of the rounds. A \
-ratio is our error in the time of the other's setting over the other's error; the claim is for the \
-setting that is best for the other. Mitsuba: integrator `path` without a limit of depth, and its own Russian \
-roulette; `ward` is our lobe as a plugin in Python (`benches/peers/ward.py`, compiled by LLVM), \
-`beckmann` the lobe that `unrender export` writes for it; reading and compiling are not counted. \
-Its variant `llvm_ad_rgb` needs a shared library of LLVM (Debian's `libllvm19`). \
-Radiance: `rtrace` on all cores with irradiance caching (`-aa`) or without; N x N rays a pixel; \
-reading is not counted. In the room it converges to 2 x 2 rays a pixel, whose places are fixed, \
-which flatters its own 2 x 2 there and makes its 4 x 4 look worse.
+const EXPLANATION: &str =
+    "Pictures of SIDE x SIDE pixels with a box filter, on all cores. RMSE is \
+over all pixels and channels, against the picture to which the same renderer converges with the \
+same model; its remaining noise, known from its two halves, is subtracted. Our pixels share paths \
+where that pays, as by default, or do not (`--independent`); both are compared with the picture to \
+which the default converges. Medians of the rounds. A ratio is our error in the time of the \
+other's setting over the other's error; the claim is for the setting that is best for the other. \
+Mitsuba: integrator `path` without a limit of depth, and its own Russian roulette; `ward` is our \
+lobe as a plugin in Python (`benches/peers/ward.py`, compiled by LLVM), `beckmann` the lobe that \
+`unrender export` writes for it; reading and compiling are not counted. Its variant `llvm_ad_rgb` \
+needs a shared library of LLVM (Debian's `libllvm19`). Radiance: `rtrace` on all cores with \
+irradiance caching (`-aa`) or without; N x N rays a pixel; reading is not counted. In the room it \
+converges to 2 x 2 rays a pixel, whose places are fixed, which flatters its own 2 x 2 there and \
+makes its 4 x 4 look worse.
 ";

@@ -1,22 +1,22 @@
-//! What renderers converge to.
+//! The pictures to which renderers converge.
 
 use super::contender::Contender;
 use crate::Failure;
 use std::collections::HashMap;
 use unrender::scene::{Image, RgbImage};
 
-/// Pictures by the names of what is converged to.
+/// Pictures by the names of [`Contender::truth`].
 #[derive(Default)]
 pub(crate) struct References(HashMap<String, Reference>);
 
-/// The mean of two pictures of independent noise, and the mean square of what is left of it.
+/// The mean of two pictures with independent noise, and the mean square of its remaining noise.
 struct Reference {
     mean: RgbImage,
     noise: f64,
 }
 
 impl References {
-    /// Has `contender` make what it converges to, unless another one did.
+    /// Makes the picture to which `contender` converges, unless another one has made it.
     ///
     /// # Errors
     /// If it fails.
@@ -32,7 +32,7 @@ impl References {
         Ok(())
     }
 
-    /// The root mean square of `picture` minus what is converged to under the name `truth`.
+    /// The root mean square of `picture` minus the reference called `truth`.
     pub(crate) fn error(&self, truth: &str, picture: &RgbImage) -> f64 {
         self.0.get(truth).map_or(f64::NAN, |reference| reference.error(picture))
     }
@@ -51,7 +51,7 @@ impl Reference {
     }
 }
 
-/// Over all pixels and channels, of the difference.
+/// The mean square of the difference, over all pixels and channels.
 fn mean_square(a: &RgbImage, b: &RgbImage) -> f64 {
     let pairs = a.pixels().iter().zip(b.pixels());
     let sum: f64 = pairs.map(|(a, b)| (a.as_dvec3() - b.as_dvec3()).length_squared()).sum();
@@ -76,7 +76,7 @@ mod tests {
         };
         let reference = Reference::new(&[noise(0), noise(1)]);
         let error = reference.error(&noise(2));
-        // A uniform number's standard deviation.
+        // The standard deviation of a uniform number.
         assert!((error - (1.0f64 / 12.0).sqrt()).abs() < 0.01, "{error}");
     }
 }

@@ -1,4 +1,4 @@
-//! A scene of which a photograph is made, and from which it is recovered.
+//! A scene that is photographed, and then recovered from the photograph.
 
 use crate::command::Unrender;
 use crate::{Failure, peers};
@@ -7,32 +7,32 @@ use unrender::scene::{RgbImage, Scene};
 
 /// A point on an axis.
 pub(crate) struct Case {
-    /// Where on the axis.
+    /// The position on the axis.
     pub(crate) value: usize,
     pub(crate) scene: Scene,
     /// A group that is out of sight; its reflectance is given.
     pub(crate) known: &'static str,
     /// Width and height, pixels.
     pub(crate) size: (usize, usize),
-    /// Reflections at most, if that is limited.
+    /// The most reflections, if that is limited.
     pub(crate) bounces: Option<usize>,
-    /// Paths a pixel of the photograph.
+    /// Paths per pixel of the photograph.
     pub(crate) spp: u32,
-    /// Each pixel that is rendered stands so many times along each side of the photograph.
+    /// Each rendered pixel is repeated this many times along each side of the photograph.
     pub(crate) repeat: usize,
     /// Whether a draft of it is recovered, too.
     pub(crate) draft: bool,
 }
 
-/// What a recovery took.
+/// The cost of a recovery.
 #[derive(Debug)]
 pub(crate) struct Recovery {
     pub(crate) seconds: f64,
-    /// The most memory, where the system tells.
+    /// The peak memory, if the system reports it.
     pub(crate) mebibytes: Option<f64>,
 }
 
-/// What a case took.
+/// The cost of a case.
 #[derive(Debug)]
 pub(crate) struct Cost {
     /// Seconds to make the photograph.
@@ -86,7 +86,7 @@ impl Case {
     }
 }
 
-/// The picture with each of its pixels `times` by `times` times.
+/// The picture with each of its pixels repeated `times` by `times`.
 fn repeated(picture: &RgbImage, times: usize) -> RgbImage {
     let (width, height) = (times * picture.width(), times * picture.height());
     let at = |i: usize| picture.pixels()[i / width / times * picture.width() + i % width / times];

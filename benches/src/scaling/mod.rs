@@ -1,4 +1,4 @@
-//! How time and memory grow with pixels, triangles, groups and bounces.
+//! Measures how time and memory grow with pixels, triangles, groups and bounces.
 //!
 //! Along each axis a scene is rendered by us, and recovered from that picture.
 
@@ -13,26 +13,26 @@ use crate::{Effort, Failure, machine};
 use case::{Case, Cost};
 use unrender::scene::{Scene, WardModel};
 
-/// The most memory, GiB, of a recovery from 1024 x 768 pixels of a million triangles.
+/// The goal for the peak memory, GiB, of a recovery from 1024 x 768 pixels of a million triangles.
 const MEMORY_GOAL: f64 = 2.0;
 
-/// Paths a pixel of the photographs.
+/// Paths per pixel of the photographs.
 const SPP: u32 = 64;
 
-/// What grows.
+/// A quantity that grows.
 struct Axis {
     name: &'static str,
     subject: String,
     cases: Vec<Case>,
 }
 
-/// An axis with what its cases cost.
+/// An axis with the costs of its cases.
 struct Measured {
     axis: Axis,
     costs: Vec<Cost>,
 }
 
-/// Measures, and says what came out.
+/// Measures, and returns the section.
 ///
 /// # Errors
 /// If our command fails.
@@ -135,7 +135,7 @@ fn large(effort: Effort) -> Case {
         known: "front_wall",
         size: effort.pick((64, 48), (1024, 768)),
         bounces: None,
-        // Many pixels say enough with a little noise in each.
+        // With many pixels, a little noise in each is enough.
         spp: 64,
         repeat: 1,
         draft: false,
@@ -243,8 +243,9 @@ fn text(measured: &[Measured], large: &Case, cost: Option<&Cost>) -> String {
     )
 }
 
-const EXPLANATION: &str = "`recovery` is `unrender recover` as a process, `rendering` is `unrender \
-render --independent --spp 64` of the same view, which made the photograph; of more than 512 x 512 pixels of Figure 8 each of \
-these stands several times along both sides. Memory is the most that the recovery held at a time. Groups are those that are \
-asked for. Figure 8 is read as ward-gmd here.
+const EXPLANATION: &str =
+    "`recovery` is `unrender recover` as a process, `rendering` is `unrender \
+render --independent --spp 64` of the same view, which made the photograph; above 512 x 512 pixels \
+of Figure 8 each rendered pixel is repeated along both sides. Memory is the peak memory of the \
+recovery. Groups are the recovered ones. Figure 8 is read as ward-gmd here.
 ";

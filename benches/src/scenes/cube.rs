@@ -1,4 +1,4 @@
-//! Balls without seams or poles: a cube blown up.
+//! Balls without seams or poles, made from a cube.
 
 use glam::{IVec3, Vec3};
 use std::collections::HashMap;

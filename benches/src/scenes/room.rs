@@ -1,4 +1,4 @@
-//! A room with a rough ball on uneven ground: as many triangles and groups as wanted.
+//! A room with a rough ball on uneven ground, with any number of triangles and groups.
 
 use super::cube::blown_up_cube;
 use super::noise::fbm;
@@ -11,12 +11,12 @@ const HEIGHT: f32 = 3.0;
 const RADIUS: f32 = 0.75;
 const OCTAVES: i32 = 7;
 
-/// What a room is to be like.
+/// The size of a room.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Room {
-    /// Triangles, at least; ten of them and those of the panels are flat.
+    /// The least number of triangles; ten of them and those of the panels are flat.
     pub(crate) triangles: usize,
-    /// Panels of the back wall, each a group of its own.
+    /// Panels of the back wall, each with its own group.
     pub(crate) panels: usize,
 }
 
@@ -61,19 +61,19 @@ pub(crate) fn room(wanted: Room) -> Scene {
     scene
 }
 
-/// Muted colours, each another.
+/// Muted colours, all different.
 fn panel_color(panel: usize) -> Rgb {
     let share = |step: f32| 0.35 + 0.3 * ((panel as f32 * step).fract() - 0.5);
     Rgb::new(share(0.618), share(0.382), share(0.271))
 }
 
-/// A parallelogram whose front is where `across` turns to `up` counter-clockwise.
+/// A parallelogram; seen from its front, `up` is counter-clockwise from `across`.
 fn quad(corner: Vec3, across: Vec3, up: Vec3) -> Mesh {
     let positions = [corner, corner + across, corner + across + up, corner + up];
     Mesh::flat(&positions, &[], &[[0, 1, 2], [0, 2, 3]])
 }
 
-/// Uneven ground of `cells` x `cells` x 2 triangles; it goes a little into the walls.
+/// Uneven ground of `cells` x `cells` x 2 triangles; it extends a little into the walls.
 fn ground_mesh(cells: i32) -> Mesh {
     let at = |i: i32, j: i32| {
         let side = |k: i32| (HALF + 0.05) * (2 * k - cells) as f32 / cells as f32;
@@ -101,7 +101,7 @@ fn ball_mesh(cells: i32) -> Mesh {
     }))
 }
 
-/// The mesh with normals that are the mean of those of the triangles around, by their area.
+/// The mesh with normals that are the means of those of the adjacent triangles, weighted by area.
 fn smooth(mut mesh: Mesh) -> Mesh {
     mesh.normals = vec![Vec3::ZERO; mesh.positions.len()];
     for index in 0..mesh.triangles.len() {

@@ -1,5 +1,5 @@
-//! Embree 4 [Wald et al. 2014],
-//! loaded from its shared library: the few functions of its C interface that one ray at a time needs.
+//! Loads Embree 4 [Wald et al. 2014] from its shared library: the few functions of its C interface
+//! for one ray at a time.
 #![allow(unsafe_code)]
 
 use super::kernel::Kernel;
@@ -21,10 +21,10 @@ const ROBUST: c_int = 1 << 2;
 const VERSION: c_int = 0;
 const INVALID: u32 = u32::MAX;
 
-/// How much care Embree takes.
+/// The mode of Embree's trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Mode {
-    /// Its default; rays may slip through between triangles.
+    /// Its default; rays may pass through between triangles.
     Fast,
     /// `RTC_SCENE_FLAG_ROBUST`.
     Robust,
@@ -53,7 +53,7 @@ struct RtcRay {
     flags: u32,
 }
 
-/// `RTCHit`, and room for what some builds of the library append to it.
+/// `RTCHit`, and room for the fields that some builds of the library append to it.
 #[repr(C, align(16))]
 struct RtcHit {
     normal: [f32; 3],
@@ -96,7 +96,7 @@ struct Functions {
     occluded: unsafe extern "C" fn(Handle, *mut RtcRay, *mut c_void),
 }
 
-/// The library with a device of it.
+/// The library with its device.
 pub(crate) struct Embree {
     functions: Functions,
     device: Handle,
@@ -111,21 +111,21 @@ impl Embree {
     /// If it cannot be loaded, lacks a function, or makes no device.
     pub(crate) fn load(path: &Path) -> Result<Self, String> {
         let problem = |error: libloading::Error| format!("{}: {error}", path.display());
-        // SAFETY: Embree and the TBB that it brings run no code on loading but that which sets up
-        // their own memory, which they undo on unloading.
+        // SAFETY: on loading, Embree and its TBB only set up their own memory, which they release
+        // on unloading.
         let library = unsafe { Library::new(path) }.map_err(problem)?;
         let functions = functions(&library).map_err(problem)?;
-        // SAFETY: a null pointer asks for the default configuration.
+        // SAFETY: a null pointer means the default configuration.
         let device = unsafe { (functions.new_device)(ptr::null()) };
         if device.is_null() {
-            // SAFETY: a null device asks for the error of the last attempt to make one.
+            // SAFETY: a null device means the error of the last attempt to make one.
             let error = unsafe { (functions.device_error)(device) };
             return Err(format!("Embree makes no device: its error {error}"));
         }
         Ok(Self { functions, device, _library: library })
     }
 
-    /// As its makers write it.
+    /// The version in its makers' form.
     pub(crate) fn version(&self) -> String {
         // SAFETY: the device lives as long as `self`.
         let number = unsafe { (self.functions.device_property)(self.device, VERSION) };
@@ -136,10 +136,10 @@ impl Embree {
     pub(crate) fn build(&self, triangles: &[[Vec3; 3]], mode: Mode) -> EmbreeScene<'_> {
         let f = &self.functions;
         let flags = if mode == Mode::Robust { ROBUST } else { NO_FLAGS };
-        // SAFETY: device, scene and geometry live until they are released: the geometry here, where
-        // the scene holds on to it, the scene with the value returned, the device after that. The
-        // buffers that Embree hands out are of the sizes asked for and aligned to 16 bytes; they are
-        // filled before the geometry is committed.
+        // SAFETY: device, scene and geometry live until they are released: the geometry here, while
+        // the scene keeps a reference to it, the scene with the value returned, the device after
+        // that. The buffers that Embree returns have the requested sizes and are aligned to 16
+        // bytes; they are filled before the geometry is committed.
         let scene = unsafe {
             let scene = (f.new_scene)(self.device);
             (f.set_scene_flags)(scene, flags);
@@ -166,7 +166,7 @@ impl Embree {
 
 impl Drop for Embree {
     fn drop(&mut self) {
-        // SAFETY: its scenes borrow `self` and are gone.
+        // SAFETY: its scenes borrow `self`, so they were dropped before.
         unsafe { (self.functions.release_device)(self.device) };
     }
 }
@@ -202,7 +202,7 @@ pub(crate) struct EmbreeScene<'a> {
     scene: Handle,
 }
 
-// SAFETY: a committed scene may be asked from any number of threads at once, and nothing changes it.
+// SAFETY: any number of threads may use a committed scene at once, and nothing changes it.
 unsafe impl Sync for EmbreeScene<'_> {}
 
 impl Drop for EmbreeScene<'_> {
@@ -242,8 +242,8 @@ impl Kernel for EmbreeScene<'_> {
     fn closest(&self, rays: &[Ray], distances: &mut [f32]) {
         for (ray, distance) in rays.iter().zip(distances) {
             let mut both = RtcRayHit { ray: RtcRay::new(ray), hit: RtcHit::NONE };
-            // SAFETY: the scene is committed, `both` is laid out and aligned as the header has it,
-            // and null asks for the default arguments.
+            // SAFETY: the scene is committed, `both` is laid out and aligned as in the header, and
+            // null means the default arguments.
             unsafe {
                 (self.embree.functions.intersect)(self.scene, &raw mut both, ptr::null_mut());
             }

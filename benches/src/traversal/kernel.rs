@@ -1,4 +1,4 @@
-//! What finds triangles: the same question to each program.
+//! The kernels that find triangles: the same query to each program.
 
 use glam::Vec3;
 use std::hint::black_box;
@@ -9,7 +9,7 @@ pub(crate) trait Kernel: Sync {
     /// For each ray the distance to the nearest triangle; infinite where there is none.
     fn closest(&self, rays: &[Ray], distances: &mut [f32]);
 
-    /// For each ray zero if something is in its way, else infinity.
+    /// For each ray zero if it is blocked, otherwise infinity.
     fn occluded(&self, rays: &[Ray], distances: &mut [f32]);
 }
 
@@ -26,7 +26,7 @@ impl Ours {
 impl Kernel for Ours {
     fn closest(&self, rays: &[Ray], distances: &mut [f32]) {
         for (ray, distance) in rays.iter().zip(distances) {
-            // The other program also writes down the triangle and the place on it.
+            // The other program also returns the triangle and the place on it.
             let hit = black_box(self.0.closest(ray));
             *distance = hit.map_or(f32::INFINITY, |hit| hit.t);
         }

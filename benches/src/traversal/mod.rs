@@ -1,7 +1,8 @@
-//! Rays per second on the same triangles and the same rays, by our tree and by Embree's.
+//! Measures rays per second on the same triangles and the same rays, with our tree and with
+//! Embree's.
 //!
-//! Each kernel turns neutral rays into its own, and its answers are compared: Embree's fast mode
-//! lets rays through between triangles, so some may differ.
+//! Each kernel converts the rays into its own form, and the answers are compared: Embree's fast
+//! mode lets rays pass between triangles, so some may differ.
 
 mod embree;
 mod kernel;
@@ -21,17 +22,17 @@ use unrender::scene::Scene;
 
 /// The least share of Embree's rays per second.
 const GOAL: f64 = 0.9;
-/// In how many seconds the tree over a million triangles is to be built.
+/// The goal for the time to build the tree over a million triangles, seconds.
 const BUILD_GOAL: f64 = 2.0;
 
-/// Measures, and says what came out.
+/// Measures, and returns the section.
 ///
 /// # Errors
 /// If Figure 8 is not there.
 pub(crate) fn measure(effort: Effort) -> Result<Section, Failure> {
     let embree = library().and_then(|path| Embree::load(&path));
     if let Err(problem) = &embree {
-        eprintln!("Embree cannot be had here: {problem}");
+        eprintln!("Embree is not available here: {problem}");
     }
     let embree = embree.ok();
     let room = |triangles| scenes::room(Room { triangles, panels: 1 });
@@ -50,7 +51,7 @@ pub(crate) fn measure(effort: Effort) -> Result<Section, Failure> {
     Ok(Section { text, plots: Vec::new() })
 }
 
-/// Embree's library in the package of PyPI, which it is for Python.
+/// Embree's library in its Python package from PyPI.
 fn library() -> Result<PathBuf, String> {
     let python = peers::python("embreex", &["embreex==4.4.0.post1"])?;
     let code = "import sysconfig; print(sysconfig.get_paths()['platlib'])";
@@ -66,7 +67,7 @@ fn library() -> Result<PathBuf, String> {
 struct Build {
     scene: String,
     triangles: usize,
-    /// Seconds: ours, then Embree's as in [`Mode::ALL`], where it is there.
+    /// Seconds: ours, then Embree's as in [`Mode::ALL`], if it is available.
     seconds: Vec<f64>,
 }
 
@@ -122,7 +123,7 @@ fn text(rows: &[Row], builds: &[Build], embree: Option<&Embree>) -> String {
     )
 }
 
-/// What was claimed, and whether it holds.
+/// The claims, and whether they hold.
 fn verdicts(rows: &[Row], builds: &[Build]) -> Table {
     let mut table = Table::new(["claim", "goal", "measured", "held"]);
     for set in rays::NAMES {

@@ -14,7 +14,7 @@ pub(crate) const NAMES: [&str; 3] = ["primary", "bounce", "shadow"];
 pub(crate) struct RaySet {
     /// One of [`NAMES`].
     pub(crate) name: &'static str,
-    /// Whether it is only asked if something is in their way.
+    /// Whether the query is only if they are blocked.
     pub(crate) any: bool,
     /// In the order of the picture.
     pub(crate) rays: Vec<Ray>,

@@ -1,4 +1,4 @@
-//! The kernels take turns on the same rays.
+//! Measures the kernels in turn on the same rays.
 
 use super::kernel::Kernel;
 use super::rays::RaySet;
@@ -8,29 +8,29 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 use unrender::render::accel::Ray;
 
-/// Rays that a thread takes at a time.
+/// Rays that a thread traces at a time.
 const CHUNK: usize = 4096;
-/// Distances of more than this difference, relative, are different.
+/// Distances are different if their relative difference is above this.
 const TOLERANCE: f32 = 1e-3;
 
-/// What came out for one scene, one kind of rays and one number of threads.
+/// The result for one scene, one kind of rays and one number of threads.
 pub(crate) struct Row {
     pub(crate) scene: String,
     pub(crate) set: &'static str,
     pub(crate) threads: usize,
     /// Millions of rays per second: of each kernel, of each round.
     speeds: Vec<Vec<f64>>,
-    /// Rays of a million that each kernel but the first answered otherwise than the first.
+    /// How many rays of a million each kernel except the first answered differently from the first.
     pub(crate) differ: Vec<f64>,
 }
 
 impl Row {
-    /// Millions of rays per second of a kernel, where it is there.
+    /// Millions of rays per second of a kernel, if it is available.
     pub(crate) fn speed(&self, kernel: usize) -> Option<f64> {
         self.speeds.get(kernel).map(|speeds| median(speeds.iter().copied()))
     }
 
-    /// How many times as fast the first kernel is as the one with the index `other` after it.
+    /// The speedup of the first kernel over the one with the index `other` after it.
     pub(crate) fn ratio(&self, other: usize) -> Option<f64> {
         let theirs = self.speeds.get(other + 1)?;
         Some(median(self.speeds[0].iter().zip(theirs).map(|(ours, theirs)| ours / theirs)))
@@ -51,7 +51,7 @@ pub(crate) fn measure(
             let mut speeds = vec![Vec::new(); kernels.len()];
             // The first round warms the caches and does not count.
             for round in 0..=rounds {
-                // Each begins as often as the others.
+                // Each is the first equally often.
                 for turn in 0..kernels.len() {
                     let kernel = (round + turn) % kernels.len();
                     let trace = || trace(&*kernels[kernel], set, threads, &mut answers[kernel]);
@@ -100,7 +100,7 @@ fn differ(ours: &[f32], theirs: &[f32]) -> f64 {
     1e6 * count as f64 / ours.len() as f64
 }
 
-/// What `work` gives, and the seconds that it took.
+/// The result of `work`, and the seconds that it took.
 pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let started = Instant::now();
     let done = work();

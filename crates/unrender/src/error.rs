@@ -21,7 +21,7 @@ pub enum Error {
     /// A request does not fit the scene or the machine.
     #[error("{0}")]
     Request(String),
-    /// The measured points give no camera.
+    /// The measured points do not determine a camera.
     #[error("{}: {problem}", path.display())]
     Calibrate {
         /// The file with the points.

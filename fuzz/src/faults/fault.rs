@@ -1,4 +1,4 @@
-//! The faults.
+//! The faults that strike commands.
 
 use super::work::{Bench, Work};
 use crate::random::Random;
@@ -13,7 +13,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// What happens to a command.
+/// A fault of a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Fault {
     /// SIGKILL at a random moment.
@@ -26,20 +26,20 @@ pub(crate) enum Fault {
     Limited,
     /// The disk is full after a random number of bytes.
     Full,
-    /// What is there is write-protected, or also the folder around it.
+    /// The existing result is write-protected, or also the folder around it.
     ReadOnly,
     /// Standard output and error are closed at a random moment, or are full from the beginning.
     Closed,
-    /// The same command once more at a random moment.
+    /// The same command is started again at a random moment.
     Two,
-    /// No terminal, no input, a session of its own.
+    /// No terminal, no input, in its own session.
     NoTerminal,
 }
 
 /// How a command ended.
 #[derive(Default)]
 pub(crate) struct Told {
-    /// Whether it said that all went well.
+    /// Whether it reported success.
     pub(crate) succeeded: bool,
     pub(crate) problems: Vec<String>,
 }
@@ -50,7 +50,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 const LARGEST: usize = 60_000;
 
 impl Fault {
-    /// Kills come twice: they are what most is asked about.
+    /// Kills come twice, as they are the most important.
     pub(crate) const ALL: [Self; 10] = [
         Self::Kill,
         Self::Kill,
@@ -64,7 +64,7 @@ impl Fault {
         Self::NoTerminal,
     ];
 
-    /// Whether the machine has this fault; what is missing, if not.
+    /// The reason why the machine cannot have this fault; none if it can.
     pub(crate) fn missing(self, bench: &Bench) -> Option<&'static str> {
         match self {
             Self::ReadOnly if !bench.user.is_held_back() => {
@@ -99,7 +99,7 @@ impl Fault {
                 let running = with_limit(random.below(LARGEST) as u64, &mut command)?;
                 self.ended(running, &[0, 1])
             }
-            // The disk is as `folder` finds it.
+            // The disk is full as `folder` was prepared.
             Self::Full => self.ended(command.spawn()?, &[0, 1]),
             Self::ReadOnly => {
                 let result = folder.join(work.out);
@@ -159,12 +159,12 @@ impl Fault {
         self.ended(running, codes)
     }
 
-    /// Waits for the end of `running`, which is one of `codes`, or its death by the signal.
+    /// Waits for the end of `running`, with one of the exit `codes`, or killed by the signal.
     fn ended(self, mut running: Child, codes: &[i32]) -> io::Result<Told> {
         let stderr = running.stderr.take();
         let said = std::thread::spawn(|| {
             let mut said = String::new();
-            // What is no text is left out.
+            // Output that is not text is ignored.
             let _ = stderr.map(|mut stderr| stderr.read_to_string(&mut said));
             said
         });
@@ -180,10 +180,10 @@ impl Fault {
         let said = said.join().unwrap_or_default();
         let is_expected = match status.code() {
             Some(code) => codes.contains(&code),
-            // Signals may come before the program can hear them.
+            // Signals may come before the program handles them.
             None => matches!(self, Self::Kill | Self::Terminate | Self::Interrupt),
         };
-        // Where nobody can hear it, nothing is said.
+        // With closed outputs there is no message.
         let says_why = self == Self::Closed || status.code() != Some(1) || said.contains("error");
         if !is_expected || !says_why || said.contains("panicked") {
             problems.push(format!("{status}: {}", said.trim()));
@@ -203,8 +203,8 @@ fn patiently(running: &mut Child) -> io::Result<Option<ExitStatus>> {
     Ok(None)
 }
 
-/// Starts `command` with files that cannot grow beyond `bytes`. The limit is inherited; here nothing is
-/// written meanwhile.
+/// Starts `command` with files that cannot grow beyond `bytes`. It inherits the limit; this process
+/// writes nothing meanwhile.
 fn with_limit(bytes: u64, command: &mut Command) -> io::Result<Child> {
     let (soft, hard) = getrlimit(Resource::RLIMIT_FSIZE)?;
     setrlimit(Resource::RLIMIT_FSIZE, bytes.min(hard), hard)?;
@@ -213,7 +213,7 @@ fn with_limit(bytes: u64, command: &mut Command) -> io::Result<Child> {
     running
 }
 
-/// Protects what lies at `path` from writing, or lifts that.
+/// Sets or removes the write protection of `path` and of all files in it.
 fn protect(path: &Path, protected: bool) -> io::Result<()> {
     if File::open(path).is_err() {
         return Ok(());

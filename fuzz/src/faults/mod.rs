@@ -1,13 +1,13 @@
-//! Faults at random moments of the commands that write: killed, asked to end, a disk that is full, files
-//! that are write-protected, output that nobody reads, a second process, no terminal.
+//! Faults at random moments of the commands that write: a kill, a request to end, a full disk,
+//! write-protected files, closed output, a second process, no terminal.
 //!
-//! After each fault, three things are asked. Are the inputs as they were? Is what lies there one whole
-//! result, of this run or of the one before, or none, or refused by those who read it? And does the same
-//! command, or `recover --resume`, end with the bits of a run without a fault?
+//! After each fault, three things are checked. Are the inputs unchanged? Is there one complete result,
+//! of this run or of the one before, or none, or one that the commands that read it refuse? And does the
+//! same command, or `recover --resume`, then give the bits of a run without a fault?
 //!
-//! Write protection holds nobody back who is root: root lets another user run the commands. A full disk is a
-//! file system in memory, which only root may make; a limit on the size of files (`RLIMIT_FSIZE`) needs no
-//! rights. What a machine cannot do is left out, and said.
+//! Write protection does not stop root, so root runs the commands as another user. A full disk is a file
+//! system in memory, which only root may make; a limit on the size of files (`RLIMIT_FSIZE`) needs no
+//! rights. Faults that a machine cannot have are left out, with a message.
 
 mod fault;
 mod rights;
@@ -29,13 +29,13 @@ use work::{Bench, Work};
 /// With this variable set, the fuzzer is the command `unrender`.
 pub(crate) const AS_COMMAND: &str = "UNRENDER_FUZZ_IS_UNRENDER";
 
-/// Interrupts commands at random moments and looks at what is left.
+/// Interrupts commands at random moments and checks what remains.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// How many faults.
+    /// The number of faults.
     #[arg(long, default_value_t = 200)]
     count: u64,
-    /// Chooses commands, faults and moments.
+    /// The seed of commands, faults and moments.
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Only this command: recover, restage, render, merge, export or export-folder.
@@ -43,25 +43,25 @@ pub(crate) struct Args {
     only: Option<String>,
 }
 
-/// What a command may write after a disk was full, bytes: a hundred times what any does here.
+/// The room for a command after a disk was full, bytes: a hundred times what any writes here.
 const ROOM: u64 = 64 << 20;
 
-/// What lies there after a fault.
+/// The state after a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Left {
-    /// The whole result.
+    /// The complete result.
     New,
-    /// The whole result of the run before.
+    /// The complete result of the run before.
     Old,
-    /// The whole result of a recovery that was asked to end.
+    /// The complete result of a recovery that was asked to end.
     Interrupted,
     /// Nothing.
     None,
-    /// A result that those who read it refuse.
+    /// A result that the commands that read it refuse.
     Refused,
 }
 
-/// Runs the faults; the exit code is 1 if one of them was not survived.
+/// Runs the faults; the exit code is 1 if there were findings.
 ///
 /// # Errors
 /// If the commands cannot be run at all.
@@ -107,7 +107,7 @@ pub(crate) fn run(args: &Args) -> io::Result<ExitCode> {
     Ok(if findings == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// One fault: what it left, and what was wrong.
+/// Runs one fault; returns the state after it, and the problems.
 fn one(
     bench: &Bench,
     work: &Work,
@@ -118,7 +118,7 @@ fn one(
     let folder = bench.case()?;
     let disk = (fault == Fault::Full).then(|| Disk::at(&folder)).transpose()?;
     bench.fill(&folder, work, had_old)?;
-    // Half of them at the end, where results are written.
+    // Half of them are at the end, where results are written.
     let share = random.below(1000) as f64 / 1000.0;
     let share = if random.below(2) == 0 { 1.1 * share } else { 0.8 + 0.3 * share };
     let moment = Duration::from_secs_f64(share * work.seconds);
@@ -133,7 +133,8 @@ fn one(
     let state = State::of(&folder, work.out)?;
     let left = left_by(work, fault, had_old, &folder.join(work.out), &state);
     let left = left.unwrap_or_else(|| {
-        problems.push(format!("what is left is no whole result: {}", work.difference(&state)));
+        problems
+            .push(format!("what remains is not a complete result: {}", work.difference(&state)));
         Left::Refused
     });
     if told.succeeded && left != Left::New {
@@ -144,16 +145,16 @@ fn one(
         let again = bench.command(&folder, &work.again).output()?;
         let said = String::from_utf8_lossy(&again.stderr).into_owned();
         if !again.status.success() {
-            problems.push(format!("the command does not go on: {}", said.trim()));
+            problems.push(format!("the command does not continue: {}", said.trim()));
         }
         let after = State::of(&folder, work.out)?;
         if after != work.new {
             let what = work.difference(&after);
-            problems.push(format!("going on ends with other bits: {what}; {}", said.trim()));
+            problems.push(format!("continuing gives other bits: {what}; {}", said.trim()));
         }
     }
-    // Beside a file or an export, a killed process may leave its temporary file; within a folder of
-    // results, the next one takes it away.
+    // A killed process may leave its temporary file beside a file or an export; in a folder of
+    // results, the next process removes it.
     if matches!(work.name, "recover" | "restage") {
         let left_over = hidden(&folder.join(work.out))?;
         if !left_over.is_empty() {
@@ -165,7 +166,7 @@ fn one(
     Ok((left, problems))
 }
 
-/// What `state` is; none if it is a mixture.
+/// The meaning of `state`; none if it is a mixture.
 fn left_by(work: &Work, fault: Fault, had_old: bool, out: &Path, state: &State) -> Option<Left> {
     if *state == work.new {
         return Some(Left::New);

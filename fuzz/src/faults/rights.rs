@@ -1,5 +1,5 @@
-//! What root may do and others may not: commands run without root's rights, which no write protection
-//! holds back, and on a file system of a few kilobytes.
+//! Uses the rights of root: runs commands as another user, whom write protection stops, and on a file
+//! system of a few kilobytes.
 
 use super::AS_COMMAND;
 use super::state::files_of;
@@ -10,12 +10,12 @@ use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// A user with no rights, who need not have a name.
+/// A user without rights, who need not have a name.
 const NOBODY: u32 = 65534;
 /// tmpfs counts in pages, bytes.
 const PAGE: u64 = 4096;
 
-/// The user as whom commands run: nobody, where that can be chosen.
+/// The user who runs the commands: nobody, if that can be chosen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct User {
     other: Option<u32>,
@@ -23,10 +23,11 @@ pub(crate) struct User {
 }
 
 impl User {
-    /// Nobody, if we are root and nobody can run `program`; else ourselves, who have made `ours`.
+    /// Nobody, if we are root and nobody can run `program`; otherwise ourselves, the owner of
+    /// `ours`.
     ///
     /// # Errors
-    /// If `ours` does not tell whose it is.
+    /// If the owner of `ours` cannot be read.
     pub(crate) fn choose(program: &Path, ours: &Path) -> io::Result<Self> {
         let is_root = fs::metadata(ours)?.uid() == 0;
         if !is_root {
@@ -39,22 +40,22 @@ impl User {
         Ok(Self { other: can_run.then_some(NOBODY), is_root })
     }
 
-    /// Whether write protection holds this user back.
+    /// Whether write protection stops this user.
     pub(crate) fn is_held_back(self) -> bool {
         self.other.is_some() || !self.is_root
     }
 
-    /// Lets this user run `command`.
+    /// Makes this user run `command`.
     pub(crate) fn runs(self, command: &mut Command) {
         if let Some(id) = self.other {
             command.uid(id).gid(id);
         }
     }
 
-    /// Gives this user the file or folder at `path`, with all in it.
+    /// Gives this user the file or folder at `path`, with its contents.
     ///
     /// # Errors
-    /// If it cannot be given.
+    /// If the owner cannot be changed.
     pub(crate) fn owns(self, path: &Path) -> io::Result<()> {
         let Some(id) = self.other else { return Ok(()) };
         chown(path, Some(id), Some(id))?;
@@ -67,21 +68,21 @@ impl User {
     }
 }
 
-/// A file system in memory, until it is dropped. Only root has one.
+/// A file system in memory, until it is dropped. Only root can make one.
 #[derive(Debug)]
 pub(crate) struct Disk<'a>(&'a Path);
 
 impl<'a> Disk<'a> {
-    /// At the folder `at`, with room for all.
+    /// Mounts one at the folder `at`, with enough room.
     ///
     /// # Errors
-    /// If there can be none.
+    /// If it cannot be mounted.
     pub(crate) fn at(at: &'a Path) -> io::Result<Self> {
         must(Command::new("mount").args(["-t", "tmpfs", "tmpfs"]).arg(at))?;
         Ok(Self(at))
     }
 
-    /// Leaves so many bytes free, rounded up.
+    /// Leaves `free` bytes free, rounded up.
     ///
     /// # Errors
     /// If the size cannot be changed.
@@ -90,7 +91,7 @@ impl<'a> Disk<'a> {
             .iter()
             .map(|(_, bytes)| bytes.len().div_ceil(PAGE as usize) as u64)
             .sum();
-        // A size of zero is no limit.
+        // A size of zero means no limit.
         let pages = used + free.div_ceil(PAGE).max(1);
         let size = format!("remount,size={}", pages * PAGE);
         must(Command::new("mount").args(["-o", &size]).arg(self.0))
@@ -99,7 +100,7 @@ impl<'a> Disk<'a> {
 
 impl Drop for Disk<'_> {
     fn drop(&mut self) {
-        // Whoever removes the folder tells that it is still in use.
+        // If this fails, removing the folder fails and reports it.
         let _ = must(Command::new("umount").arg(self.0));
     }
 }

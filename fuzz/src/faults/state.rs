@@ -1,4 +1,4 @@
-//! What lies on the disk: the SHA-256 of every file, times and the command line left out.
+//! The state of the disk: the SHA-256 of every file, without times and the command line.
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -12,8 +12,8 @@ use unrender::formats::atomic;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct State(BTreeMap<String, String>);
 
-/// What is not the same in two runs of one command: times, memory, the words of the command line. The
-/// report shows them, and the manifest has the hashes of both.
+/// Keys that differ between two runs of one command: times, memory, the words of the command line.
+/// The report shows them, and the manifest has the hashes of both files.
 const NOT_SAME: [&str; 5] = ["seconds", "stages", "peak_memory_bytes", "command", "settings"];
 const NOT_COMPARED: [&str; 3] = ["report.html", "manifest.json", "gallery.html"];
 
@@ -58,7 +58,7 @@ pub(crate) fn is_hidden(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(atomic::PREFIX))
 }
 
-/// All files in `folder` but our temporary ones, with their bytes, in order.
+/// All files in `folder` except our temporary ones, with their bytes, in order.
 pub(crate) fn files_of(folder: &Path) -> io::Result<Vec<(PathBuf, Vec<u8>)>> {
     let (mut open, mut found) = (vec![folder.to_owned()], Vec::new());
     while let Some(folder) = open.pop() {

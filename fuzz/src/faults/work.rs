@@ -1,4 +1,4 @@
-//! The commands that faults strike, with their inputs and what they write without a fault.
+//! The commands for the faults, with their inputs and their results without a fault.
 
 use super::AS_COMMAND;
 use super::rights::{Disk, User};
@@ -21,19 +21,19 @@ const SIDE: usize = 24;
 #[derive(Clone, Debug)]
 pub(crate) struct Work {
     pub(crate) name: &'static str,
-    /// Its words, and those that go on after a fault.
+    /// Its arguments, and those that continue after a fault.
     pub(crate) words: Vec<String>,
     pub(crate) again: Vec<String>,
     /// The file or folder that it writes.
     pub(crate) out: &'static str,
-    /// The words of a run before, which wrote something else there.
+    /// The arguments of a run before, which wrote something else there.
     before: Option<Vec<String>>,
-    /// What it writes without a fault, and what the run before has.
+    /// Its result without a fault, and that of the run before.
     pub(crate) new: State,
     pub(crate) old: Option<State>,
-    /// How long it takes.
+    /// Its time without a fault.
     pub(crate) seconds: f64,
-    /// How much it writes, bytes.
+    /// The size of its result, bytes.
     pub(crate) bytes: u64,
 }
 
@@ -53,7 +53,7 @@ impl Work {
         }
     }
 
-    /// In which files `state` differs from what the command writes.
+    /// The files in which `state` differs from the command's result.
     pub(crate) fn difference(&self, state: &State) -> String {
         self.new.difference(state).join(", ")
     }
@@ -98,7 +98,7 @@ pub(crate) fn all() -> Vec<Work> {
     ]
 }
 
-/// Where the commands run: inputs in one folder, each command in a folder beside it.
+/// The place of the runs: inputs in one folder, each command in a folder beside it.
 pub(crate) struct Bench {
     root: PathBuf,
     program: PathBuf,
@@ -110,7 +110,7 @@ impl Bench {
     pub(crate) fn new(root: &Path) -> io::Result<Self> {
         let program = std::env::current_exe()?;
         let user = User::choose(&program, root)?;
-        // Other users look into it.
+        // Other users must be able to read it.
         fs::set_permissions(root, Permissions::from_mode(0o755))?;
         let bench = Self { root: root.to_owned(), program, user };
         let inputs = bench.inputs();
@@ -152,12 +152,12 @@ impl Bench {
         self.root.join("in")
     }
 
-    /// `unrender` with `words`, in `folder`, where nobody listens.
+    /// `unrender` with `words`, in `folder`.
     pub(crate) fn command(&self, folder: &Path, words: &[String]) -> Command {
         self.prepared_command(Command::new(&self.program), folder, words)
     }
 
-    /// The same in a session of its own, without a terminal.
+    /// The same in its own session, without a terminal.
     pub(crate) fn in_session(&self, folder: &Path, words: &[String]) -> Command {
         let mut session = Command::new("setsid");
         session.arg("--wait").arg(&self.program).env_remove("TERM");
@@ -177,7 +177,7 @@ impl Bench {
         if output.status.success() { Ok(()) } else { Err(failed()) }
     }
 
-    /// `work` with what it writes without a fault.
+    /// `work` with its results without a fault.
     pub(crate) fn prepared(&self, work: Work) -> io::Result<Work> {
         let folder = self.root.join(format!("new-{}", work.name));
         fs::create_dir_all(&folder)?;
@@ -207,7 +207,7 @@ impl Bench {
         Ok(folder)
     }
 
-    /// Fills it: with the result of a run before, or with nothing.
+    /// Fills it with the result of a run before, or with nothing.
     pub(crate) fn fill(&self, folder: &Path, work: &Work, had_old: bool) -> io::Result<()> {
         if had_old {
             let from = self.root.join(format!("old-{}", work.name)).join(work.out);

@@ -3,7 +3,7 @@
 use super::super::dice::Dice;
 use unrender::scene::Rgb;
 
-/// A muted or strong colour whose brightest channel lies between the two.
+/// A muted or strong colour whose brightest channel lies between `low` and `high`.
 pub(crate) fn color(dice: &mut Dice, low: f32, high: f32) -> Rgb {
     let value = dice.range(low.sqrt(), high.sqrt()).powi(2);
     let saturation = dice.unit().powi(2) * 0.9;
@@ -12,7 +12,7 @@ pub(crate) fn color(dice: &mut Dice, low: f32, high: f32) -> Rgb {
     round(value * Rgb::from_array(channels))
 }
 
-/// To four digits, so that files hold what was rendered.
+/// Rounded to four digits, so that files contain exactly the rendered colour.
 pub(crate) fn round(color: Rgb) -> Rgb {
     (color * 1e4).round() / 1e4
 }

@@ -1,5 +1,5 @@
-//! Random reflectances of the foreign family: models that the recovery has not, and the one of ours
-//! that is most like each.
+//! Random reflectances of the foreign family: models that the recovery does not have, and for each
+//! the most similar one of ours.
 
 use super::super::dice::Dice;
 use super::super::family::Renderer;
@@ -26,11 +26,11 @@ const METALS: [(&str, [f32; 3]); 4] = [
     ("Al", [0.91, 0.92, 0.92]),
     ("Cr", [0.55, 0.55, 0.55]),
 ];
-/// What a dielectric of index 1.5 reflects at normal incidence.
+/// The reflectance of a dielectric of index 1.5 at normal incidence.
 const DIELECTRIC: f32 = 0.04;
 
 impl Foreign {
-    /// As Cycles is asked for it; none of what it has not.
+    /// The parameters for Cycles; none if it does not have the model.
     pub(crate) fn principled(&self) -> Option<Value> {
         let Self::Principled { base_color, metallic, roughness, anisotropic } = self else {
             return None;
@@ -41,7 +41,7 @@ impl Foreign {
         }))
     }
 
-    /// As Mitsuba has it; `texture` is the element of its base colour, if it has one.
+    /// The element for Mitsuba; `texture` is the element of its base colour, if it has one.
     pub(crate) fn mitsuba(&self, texture: Option<&str>) -> String {
         let rgb = |name: &str, color: Rgb| {
             format!("<rgb name=\"{name}\" value=\"{} {} {}\"/>", color.x, color.y, color.z)
@@ -76,7 +76,7 @@ impl Foreign {
     }
 }
 
-/// What a group may be.
+/// The kinds of a group.
 #[derive(Clone, Copy)]
 enum Choice {
     Plain,
@@ -87,7 +87,7 @@ enum Choice {
     Conductor,
 }
 
-/// A random reflectance: ours that is most like it, and the foreign one if it is one.
+/// A random reflectance: the most similar one of ours, and the foreign one, if it is foreign.
 pub(crate) fn reflectance(
     dice: &mut Dice,
     renderer: Renderer,
@@ -132,8 +132,8 @@ pub(crate) fn reflectance(
         }
         Choice::Plastic => {
             let base_color = color(dice, 0.04, 0.75);
-            // What leaves the base through the coat: 0.386 = (1 - F)^2 / 1.49^2 at medium angles,
-            // 0.596 of what comes from below is reflected back.
+            // The light that leaves the base through the coat: 0.386 = (1 - F)^2 / 1.49^2 at medium
+            // angles; the coat reflects 0.596 of the light from below back.
             let rho_d = 0.386 * base_color / (Rgb::ONE - 0.596 * base_color);
             let like = Material::isotropic(rho_d, Rgb::splat(DIELECTRIC), alpha);
             (like, Some(Foreign::Plastic { base_color, alpha }))

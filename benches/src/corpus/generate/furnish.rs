@@ -1,4 +1,4 @@
-//! Who stands where: things on a floor or on a table, seen by the camera, sorted into groups.
+//! Places things on a floor or on a table, where the camera sees them, and sorts them into groups.
 
 use super::super::dice::Dice;
 use super::super::family::{Family, Renderer, Style};
@@ -10,10 +10,10 @@ use glam::{Affine3A, Vec3};
 use unrender::render::Tracer;
 use unrender::scene::Camera;
 
-/// The fewest and the most groups that a scene asks for.
+/// The fewest and the most groups of a scene.
 const GROUPS: (f32, f32) = (5.0, 30.5);
-/// Things of which the camera sees fewer pixels than this are taken away: 0.05 % of the picture.
-/// Half of it keeps slivers, twice it takes small things that are in plain view.
+/// Things that show in less than this share of the picture's pixels are removed. Half of it keeps
+/// slivers; twice it removes small things in plain view.
 const SEEN_SHARE: f32 = 5e-4;
 
 /// Where the camera stands and where things may stand.
@@ -21,9 +21,9 @@ struct Stage {
     room: Vec3,
     /// The lower and the upper corner of the ground.
     ground: (Vec3, Vec3),
-    /// The sides of the cells that things stand in, metres.
+    /// The sides of the cells in which things stand, metres.
     cells: (f32, f32),
-    /// How high things may be in front and at the rear.
+    /// The maximum heights of things in front and at the rear.
     heights: (f32, f32),
     table: Option<Thing>,
     cameras: [Camera; 2],
@@ -79,20 +79,20 @@ pub(crate) fn plan(seed: u64, style: Style, size: (usize, usize), segments: u32)
     let left = wanted.saturating_sub(plan.groups.len()).max(1);
     furnish(&mut plan, &mut dice, &mut paint, &stage, rules, (left, segments));
     drop_unseen(&mut plan);
-    // What is given is given as one colour.
+    // Given groups have one colour.
     for group in plan.given() {
         plan.groups[group].material.texture = None;
     }
     plan
 }
 
-/// What the seed allows of materials, given what the renderer can.
+/// The materials that the seed allows, among those of the renderer.
 fn rules(dice: &mut Dice, style: Style) -> Rules {
     let mirrors = dice.chance(0.35) && style.family == Family::InModel;
     Rules {
         mirrors,
         alpha_min: if mirrors { 0.05 } else { 0.08 },
-        // Radiance has a material for each direction, thousands on curved things.
+        // Radiance needs a material for each direction, thousands on curved things.
         anisotropic: style.renderer != Renderer::Radiance,
     }
 }
@@ -241,7 +241,7 @@ fn hanging(dice: &mut Dice, stage: &Stage) -> Thing {
     things::hanging(dice, centre, out, size)
 }
 
-/// Whether the boxes about two things meet.
+/// Whether the bounding boxes of two things intersect.
 fn touches(a: &Thing, b: &Thing) -> bool {
     let bounds = |thing: &Thing| {
         thing
@@ -286,7 +286,7 @@ fn furnish(
     }
 }
 
-/// Cells of the ground that the camera sees: as large as leaves enough of them.
+/// Cells of the ground that the camera sees: as large as possible with enough of them.
 fn spots(dice: &mut Dice, stage: &Stage, count: usize, size: (usize, usize)) -> Vec<Spot> {
     let (low, high) = stage.ground;
     let mut cell = stage.cells.1;
@@ -320,7 +320,7 @@ fn spots(dice: &mut Dice, stage: &Stage, count: usize, size: (usize, usize)) -> 
     }
 }
 
-/// Takes away things that the camera does not see, and groups that nothing is left of.
+/// Removes things that the camera does not see, and groups that are then empty.
 fn drop_unseen(plan: &mut Plan) {
     let scene = plan.scene();
     let (width, height) = plan.size;

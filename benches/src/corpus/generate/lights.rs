@@ -1,4 +1,4 @@
-//! One to four lights of every kind, bright enough to see by.
+//! One to four lights of all kinds that light the room well.
 
 use super::super::dice::Dice;
 use super::shapes;
@@ -12,7 +12,7 @@ pub(crate) struct Lamp {
     pub(crate) name: String,
     pub(crate) mesh: Mesh,
     pub(crate) radiance: Rgb,
-    /// Centre and radius of the ball that a round one stands for: that of the same area.
+    /// Centre and radius of the ball that a round lamp approximates, which has the same area.
     pub(crate) ball: Option<(Vec3, f32)>,
 }
 
@@ -36,12 +36,12 @@ enum Kind {
     Sun,
 }
 
-/// Where lights may be.
+/// The places where lights may be.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     /// Width, height and length of the room, metres; its floor's centre is the origin.
     pub(crate) room: Vec3,
-    /// What is looked at.
+    /// The point at which the camera looks.
     pub(crate) target: Vec3,
     /// Everything that stands there is lower than this.
     pub(crate) clear: f32,
@@ -51,17 +51,17 @@ pub(crate) struct Place {
     pub(crate) opening: bool,
     /// Segments of a round lamp.
     pub(crate) segments: u32,
-    /// Where cameras stand, which a lamp is not to fill the view of.
+    /// The places of the cameras, whose views a lamp must not fill.
     pub(crate) eyes: [Vec3; 2],
 }
 
 /// A globe is at least this far from a camera, metres: there the largest fills a third of the view's
 /// height.
 const AWAY: f32 = 1.1;
-/// How often a globe is put somewhere else; after that it hangs where it hangs.
+/// How often another place is tried for a globe; after that the last one is kept.
 const TRIES: usize = 24;
 
-/// Light for each square metre of the room's floor, W.
+/// Power of the lights per square metre of the room's floor, W.
 const POWER: f32 = 14.0;
 
 /// Random lights; `suffix` ends their names.
@@ -79,7 +79,7 @@ pub(crate) fn lights(dice: &mut Dice, place: Place, suffix: &str) -> Lights {
                 *kind != Kind::Sun || sun
             }));
         }
-        // One panel hangs under the ceiling; two would be in each other's place.
+        // Only one panel hangs under the ceiling; two would overlap.
         choice.retain(|(kind, _)| !(*kind == Kind::Panel && kinds.contains(kind)));
         kinds.push(dice.weighted(&choice));
     }
@@ -96,7 +96,7 @@ pub(crate) fn lights(dice: &mut Dice, place: Place, suffix: &str) -> Lights {
     lights
 }
 
-/// Adds a light of the kind that sends out `power` watts.
+/// Adds a light of the kind that emits `power` watts.
 fn add(lights: &mut Lights, dice: &mut Dice, place: Place, kind: Kind, name: String, power: f32) {
     let room = place.room;
     let tint = tint(dice);
@@ -110,7 +110,7 @@ fn add(lights: &mut Lights, dice: &mut Dice, place: Place, kind: Kind, name: Str
                 across(dice, room.z - length),
             );
             let corner = centre - 0.5 * Vec3::new(width, 0.0, length);
-            // It looks down.
+            // Its front faces down.
             let mesh = shapes::quad(corner, width * Vec3::X, length * Vec3::Z);
             let radiance = tint * power / (PI * width * length);
             lights.lamps.push(Lamp { name, mesh, radiance, ball: None });
@@ -146,7 +146,7 @@ fn add(lights: &mut Lights, dice: &mut Dice, place: Place, kind: Kind, name: Str
                 place.target + 0.4 * Vec3::new(dice.range(-1.0, 1.0), 0.0, dice.range(-1.0, 1.0));
             let outer_rad = dice.range(0.5, 0.9);
             let inner_rad = outer_rad * dice.range(0.3, 0.8);
-            // All of the watts in the cone would make it glaring.
+            // With all the power in the cone it would be too bright.
             let intensity = tint * 0.5 * power / (TAU * (1.0 - outer_rad.cos()));
             let direction = (aim - position).normalize();
             let kind = LightKind::Spot { position, direction, intensity, inner_rad, outer_rad };
@@ -168,7 +168,7 @@ fn add(lights: &mut Lights, dice: &mut Dice, place: Place, kind: Kind, name: Str
     }
 }
 
-/// Warm, neutral or cool white, its channels' mean one.
+/// Warm, neutral or cool white; the mean of its channels is one.
 fn tint(dice: &mut Dice) -> Rgb {
     let warmth = dice.range(-0.25, 0.35);
     let color = Rgb::new(1.0 + warmth, 1.0, 1.0 - warmth);

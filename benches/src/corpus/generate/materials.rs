@@ -5,7 +5,7 @@ use super::colors::{color, round};
 use super::textures;
 use unrender::scene::{Material, Rgb};
 
-/// What a group may be.
+/// The kinds of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Diffuse,
@@ -17,14 +17,14 @@ pub(crate) enum Kind {
     DiffuseSpecular,
 }
 
-/// What the lights of a scene allow.
+/// The materials that a scene allows.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rules {
-    /// Perfect mirrors; where lights have no surface, the other renderers find no light by way of them.
+    /// Perfect mirrors; by them the other renderers find no light from lights without a surface.
     pub(crate) mirrors: bool,
     /// The smoothest lobe.
     pub(crate) alpha_min: f32,
-    /// Whether the renderer knows anisotropic lobes of any direction.
+    /// Whether the renderer has anisotropic lobes of any direction.
     pub(crate) anisotropic: bool,
 }
 
@@ -51,7 +51,7 @@ pub(crate) fn material(dice: &mut Dice, kind: Kind, rules: Rules) -> Material {
     }
 }
 
-/// A plastic or a metal; across its anisotropy direction it is rougher by `ratio`.
+/// A plastic or a metal; it is rougher by the factor `ratio` across its anisotropy direction.
 fn glossy(dice: &mut Dice, rules: Rules, ratio: f32) -> Material {
     let is_metal = dice.chance(if ratio > 1.0 { 0.8 } else { 0.4 });
     let (rho_d, rho_s) = if is_metal {
@@ -69,7 +69,7 @@ fn glossy(dice: &mut Dice, rules: Rules, ratio: f32) -> Material {
     material
 }
 
-/// A kind for a thing; textures want coordinates, directions a shape that shows them.
+/// A kind for a thing; textures need texture coordinates.
 pub(crate) fn kind(dice: &mut Dice, rules: Rules, has_uvs: bool) -> Kind {
     let mirror = if rules.mirrors { 0.04 } else { 0.0 };
     dice.weighted(&[

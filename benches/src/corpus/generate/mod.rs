@@ -1,8 +1,8 @@
 //! Random scenes, each from one seed: a room with things on its floor, or a table with things on it.
 //!
-//! A [`Plan`] says what stands where and which group it belongs to; [`Plan::scene`] makes the scene
-//! of it, with the lights of the photograph or with others. What a plan leaves to chance is drawn from streams of
-//! its own, so that a change of one kind of choice leaves the others as they are.
+//! A [`Plan`] has the places of things and their groups; [`Plan::scene`] makes the scene from it, with the lights
+//! of the photograph, [`Plan::relit`] with others. Each kind of random choice has its own stream, so that a
+//! change of one leaves the others as they are.
 
 mod colors;
 mod foreign;
@@ -25,24 +25,24 @@ use things::Thing;
 use unrender::render::Tracer;
 use unrender::scene::{Camera, Group, Material, Object, Rgb, Scene};
 
-/// Groups of fewer inner pixels than this share of the picture are given, as a user would give what
-/// the picture does not show: 65 of 43 200. Half of it asks for groups of a few pixels, twice it gives away
-/// groups that could be recovered.
+/// Groups of fewer inner pixels than this share of the picture (65 of 43 200) are given, as a user would
+/// give groups that the picture does not show. With half of it, groups of a few pixels are unknown; with
+/// twice it, groups that could be recovered are given.
 const GIVEN_SHARE: f32 = 1.5e-3;
 
 /// A group of a plan.
 #[derive(Clone, Debug)]
 pub(crate) struct PlannedGroup {
     pub(crate) name: String,
-    /// Its reflectance; of the foreign family, the one of ours that is most like it.
+    /// Its reflectance; for the foreign family, the most similar one of ours.
     pub(crate) material: Material,
     /// The reflectance of another model that the photograph shows instead, if it does.
     pub(crate) foreign: Option<Foreign>,
-    /// Whether it is of the shell.
+    /// Whether it belongs to the shell.
     pub(crate) is_shell: bool,
 }
 
-/// What stands where.
+/// The things and their places.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) seed: u64,
@@ -53,7 +53,7 @@ pub(crate) struct Plan {
     pub(crate) groups: Vec<PlannedGroup>,
     pub(crate) things: Vec<Thing>,
     pub(crate) lights: Lights,
-    /// Another light, for what is asked of the recovered materials.
+    /// Other lights, for tests of the recovered materials.
     pub(crate) other_lights: Lights,
     /// The photograph's camera, then another.
     pub(crate) cameras: [Camera; 2],
@@ -101,14 +101,14 @@ impl Plan {
         scene
     }
 
-    /// The groups of which the picture shows too little to ask for them.
+    /// The groups that the picture does not show well enough to recover them.
     pub(crate) fn given(&self) -> Vec<usize> {
         let least = (GIVEN_SHARE * (self.size.0 * self.size.1) as f32) as usize;
         let inner = self.inner_pixels();
         (0..self.groups.len()).filter(|&group| inner[group] < least).collect()
     }
 
-    /// How many pixels show each group with nothing but itself around them.
+    /// How many pixels show each group and have only that group around them.
     pub(crate) fn inner_pixels(&self) -> Vec<usize> {
         let scene = self.scene();
         let (width, height) = self.size;

@@ -1,4 +1,4 @@
-//! The room around: floor, walls and ceiling, sorted into two to five groups.
+//! The shell of the room: floor, walls and ceiling, sorted into two to five groups.
 
 use super::super::dice::Dice;
 use super::lights::Lights;
@@ -6,7 +6,7 @@ use super::shapes;
 use glam::{Vec2, Vec3};
 use unrender::scene::Mesh;
 
-/// A part of the shell: the name of its group, and whether texture coordinates suit a texture.
+/// A part of the shell: the name of its group, and whether its texture coordinates suit a texture.
 #[derive(Clone, Debug)]
 pub(crate) struct ShellPart {
     pub(crate) group: &'static str,
@@ -15,7 +15,7 @@ pub(crate) struct ShellPart {
     pub(crate) has_uvs: bool,
 }
 
-/// The most groups that a shell is sorted into.
+/// The most groups of a shell.
 pub(crate) const GROUPS_MAX: usize = 5;
 
 /// Floor, walls and ceiling of a room of `size` about the origin, whose fronts look inwards; the wall

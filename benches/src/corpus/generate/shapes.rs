@@ -4,8 +4,8 @@ use glam::{Affine3A, Vec2, Vec3};
 use std::f32::consts::{PI, TAU};
 use unrender::scene::Mesh;
 
-/// A parallelogram: u grows along `across`, v against `up`; its front is where `across` turns to
-/// `up` counter-clockwise.
+/// A parallelogram: u grows along `across`, v against `up`; seen from its front, `up` is
+/// counter-clockwise from `across`.
 pub(crate) fn quad(corner: Vec3, across: Vec3, up: Vec3) -> Mesh {
     let positions = [corner, corner + across, corner + across + up, corner + up];
     let uvs = [Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO];
@@ -57,7 +57,7 @@ pub(crate) fn cuboid(size: Vec3, bevel: f32) -> Mesh {
         let corner = centre + out * (half * out.abs()).element_sum() - a - b;
         let mut face = quad(corner, 2.0 * a, 2.0 * b);
         let place = Vec2::new((index % 3) as f32, (index / 3) as f32);
-        // A margin keeps the bilinear neighbours of one face's texels out of the next.
+        // A margin keeps bilinear lookups of one face out of the next.
         face.uvs.iter_mut().for_each(|uv| {
             *uv = (place + Vec2::splat(0.02) + *uv * 0.96) / Vec2::new(3.0, 2.0);
         });
@@ -111,7 +111,7 @@ fn bevels(centre: Vec3, half: Vec3, inner: Vec3) -> Mesh {
     Mesh::flat(&positions, &[], &triangles)
 }
 
-/// A smooth stretch of a profile: radius and height, and the outward normal in that plane.
+/// A smooth part of a profile: radius and height, and the outward normal in that plane.
 type Stretch = Vec<(Vec2, Vec2)>;
 
 /// A surface of revolution about +y; u grows once around, v from its upper end to its lower.

@@ -6,10 +6,10 @@ use glam::Vec2;
 use std::sync::Arc;
 use unrender::scene::{Image, Rgb, Texture, Wrap};
 
-/// Texels of a side. At the corpus' picture sizes a texel is about a pixel.
+/// Texels per side. At the corpus' picture sizes a texel is about a pixel.
 const SIDE: usize = 48;
 
-/// A random texture. Its steps are those of 8 bits, so that a file holds it exactly.
+/// A random texture, rounded to 8 bits, so that a file stores it exactly.
 pub(crate) fn texture(dice: &mut Dice) -> Arc<Texture> {
     let colors = [(); 3].map(|()| color(dice, 0.05, 0.85));
     let pattern = dice.index(4);
@@ -40,7 +40,7 @@ pub(crate) fn texture(dice: &mut Dice) -> Arc<Texture> {
     Arc::new(Texture { image, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat })
 }
 
-/// The nearest colour that an sRGB file of 8 bits holds.
+/// The nearest colour that an 8-bit sRGB file can store.
 fn eight_bits(color: Rgb) -> Rgb {
     use unrender::scene::color::{linear_from_srgb, srgb_from_linear};
     Rgb::from_array(

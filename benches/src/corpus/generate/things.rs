@@ -1,4 +1,4 @@
-//! Things that stand about: boxes, balls, cylinders, rings, vases, and tables with something on top.
+//! Things in a room: boxes, balls, cylinders, rings, vases, and tables with things on them.
 
 use super::super::dice::Dice;
 use super::shapes;
@@ -14,7 +14,7 @@ pub(crate) struct Thing {
     pub(crate) sharp: Option<Mesh>,
     /// Whether it is a plate whose texture coordinates suit a picture.
     pub(crate) has_uvs: bool,
-    /// Which group it belongs to; given later.
+    /// Its group, which is set later.
     pub(crate) group: usize,
 }
 
@@ -23,7 +23,7 @@ pub(crate) struct Thing {
 pub(crate) struct Spot {
     pub(crate) foot: Vec3,
     pub(crate) radius: f32,
-    /// The highest that a thing may be.
+    /// The maximum height of a thing.
     pub(crate) height: f32,
 }
 
@@ -38,7 +38,7 @@ enum Shape {
     Vase,
 }
 
-/// Almost a full turn, radians; another number would make other scenes of all seeds.
+/// Almost a full turn, radians; another value would change the scenes of all seeds.
 const TURN: f32 = 628.0 / 100.0;
 
 /// A random thing that fits.

@@ -1,4 +1,4 @@
-//! Cycles, whose GGX is ours; and its Principled BSDF.
+//! Photographs by Cycles, whose GGX is the same as ours, and whose Principled BSDF is foreign.
 
 use super::{Halves, Photograph, SampleBudget};
 use crate::Failure;
@@ -10,13 +10,13 @@ use unrender::formats::atomic;
 use unrender::formats::export::Target;
 use unrender::scene::{Camera, Scene};
 
-/// Samples of a pixel at once, as [`super::mitsuba`] has them.
+/// Samples of a pixel at once, as in [`super::mitsuba`].
 const SPP: u32 = 64;
 
 /// As [`super::take`].
 ///
 /// # Errors
-/// If Blender cannot be had or fails.
+/// If Blender is not available or fails.
 pub(super) fn take(
     plan: &Plan,
     scene: &Scene,

@@ -1,4 +1,5 @@
-//! Mitsuba 3, with our lobes as a plugin: its light transport, the lobes in closed form.
+//! Photographs by Mitsuba 3, with our lobes as a plugin: its light transport, and the lobes in
+//! closed form.
 
 use super::{Halves, Photograph, SampleBudget};
 use crate::Failure;
@@ -8,16 +9,16 @@ use std::fmt::Write;
 use std::path::Path;
 use unrender::scene::{Camera, Scene};
 
-/// Plugins in Python need the variant that is compiled.
+/// Plugins in Python need a compiled variant.
 const VARIANT: &str = "llvm_ad_rgb";
-/// Samples of a pixel at once: 2.8 million paths of 43 200 pixels, half a gigabyte. Twice it takes
-/// twice the memory, half of it a tenth more time.
+/// Samples of a pixel at once: 2.8 million paths of 43 200 pixels, half a gigabyte. Twice as many
+/// take twice the memory, half as many a tenth more time.
 const SPP: u32 = 64;
 
 /// As [`super::take`].
 ///
 /// # Errors
-/// If Mitsuba cannot be had or fails.
+/// If Mitsuba is not available or fails.
 pub(super) fn take(
     plan: &Plan,
     scene: &Scene,
@@ -43,8 +44,8 @@ pub(super) fn take(
     Ok(halves.photograph(SPP))
 }
 
-/// The scene with round lamps as Mitsuba's own spheres: it draws directions to what is seen of them.
-/// Of their triangles it would draw half on the far side, which is most of a picture's noise.
+/// The scene with round lamps as Mitsuba's own spheres, of which it samples the visible part. With
+/// triangles, half of the samples would be on the far side, which causes most of a picture's noise.
 fn with_balls(text: &str, plan: &Plan) -> String {
     let lamps = plan.lights.lamps.iter().chain(&plan.other_lights.lamps);
     let balls: Vec<_> = lamps.filter_map(|lamp| Some((&lamp.name, lamp.ball?))).collect();
@@ -70,7 +71,7 @@ fn with_balls(text: &str, plan: &Plan) -> String {
     out
 }
 
-/// The scene with the foreign reflectances in place of those of ours that are most like them.
+/// The scene with the foreign reflectances in place of the most similar ones of ours.
 fn with_foreign(text: &str, plan: &Plan) -> String {
     let mut out = String::new();
     for line in text.lines() {

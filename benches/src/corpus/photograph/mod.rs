@@ -1,4 +1,5 @@
-//! Photographs by other renderers: two independent halves of one rendering, so that its noise is known.
+//! Photographs by other renderers: each is two independent halves of one rendering, so that its noise
+//! is known.
 
 mod cycles;
 mod mitsuba;
@@ -18,10 +19,10 @@ pub(crate) struct Photograph {
     pub(crate) spp: u32,
 }
 
-/// How long and how well is rendered.
+/// The noise and the most samples of a rendering.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SampleBudget {
-    /// The noise of a pixel, relative, that is good enough; the root of the mean over the pixels.
+    /// The relative noise of a pixel at which rendering ends; the root of the mean over the pixels.
     pub(crate) noise: f64,
     /// The most samples of a pixel.
     pub(crate) spp_max: u32,
@@ -34,8 +35,8 @@ impl Photograph {
         RgbImage::from_fn(a.width(), a.height(), |x, y| 0.5 * (*a.at(x, y) + *b.at(x, y)))
     }
 
-    /// The standard deviation of a pixel's luminance over its mean: the median over pixels, which a few
-    /// pixels that flare do not move.
+    /// The standard deviation of a pixel's luminance over its mean: the median over pixels, on which a
+    /// few very bright pixels have no influence.
     pub(crate) fn noise(&self) -> f64 {
         let [a, b] = &self.halves;
         let level = |rgb: &Rgb| f64::from(rgb.element_sum());
@@ -50,15 +51,16 @@ impl Photograph {
             return 0.0;
         }
         ratios.sort_by(f64::total_cmp);
-        // The median of the absolute value of a normal number is 0.6745 of its deviation.
+        // The median of the absolute value of a normal variable is 0.6745 of its standard
+        // deviation.
         ratios[ratios.len() / 2] / 0.6745
     }
 }
 
-/// The photograph of `scene` by `renderer` from `camera`; `work` is a folder for what it needs.
+/// The photograph of `scene` by `renderer` from `camera`; `work` is a folder for its files.
 ///
 /// # Errors
-/// If the renderer cannot be had or fails.
+/// If the renderer is not available or fails.
 pub(crate) fn take(
     plan: &Plan,
     scene: &Scene,
@@ -82,13 +84,13 @@ pub(crate) struct Halves {
 }
 
 impl Halves {
-    /// Nothing yet.
+    /// Without any picture.
     pub(crate) fn new(size: (usize, usize)) -> Self {
         let none = vec![glam::DVec3::ZERO; size.0 * size.1];
         Self { sums: [none.clone(), none], counts: [0; 2], size }
     }
 
-    /// Adds a picture to the half that has fewer.
+    /// Adds a picture to the half that has fewer pictures.
     pub(crate) fn add(&mut self, picture: &RgbImage) {
         let half = usize::from(self.counts[1] < self.counts[0]);
         self.counts[half] += 1;

@@ -1,4 +1,4 @@
-//! Materials as files have them, of whichever version of the command.
+//! Materials as in files of any version of the command.
 
 use serde::Deserialize;
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! A run against the truth, group by group.
+//! Compares a run with the truth, group by group.
 
 pub(crate) mod entry;
 mod parameters;
@@ -21,9 +21,9 @@ use unrender::scene::{Rgb, RgbImage, Texture, Wrap};
 
 /// Groups of fewer valid pixels are not scored.
 pub(crate) const LEAST: usize = 200;
-/// A group whose error is above this share of its brightness is wrong whatever the noise.
+/// A group whose error is above this share of its brightness is wrong at any noise.
 const ERROR_MAX: f64 = 0.3;
-/// A group whose error is above so many times its noise floor is not explained by noise.
+/// Noise does not explain the error of a group that is above this many times its noise floor.
 const FLOORS_MAX: f64 = 5.0;
 
 /// Whether the hypothesis is right.
@@ -32,7 +32,7 @@ const FLOORS_MAX: f64 = 5.0;
 pub(crate) enum Verdict {
     /// That of the truth.
     Right,
-    /// A simpler one which the photograph does not tell from the truth.
+    /// A simpler one that the photograph cannot distinguish from the truth.
     Simpler,
     /// Another one.
     Wrong,
@@ -58,31 +58,31 @@ pub(crate) struct GroupScore {
     pub(crate) errors: Errors,
     /// The re-rendering's error, relative, against the photograph.
     pub(crate) error: f64,
-    /// The same of a rendering with the true materials.
+    /// The same for a rendering with the true materials.
     pub(crate) floor: f64,
 }
 
 impl GroupScore {
-    /// Whether the command says that it does not trust the group.
+    /// Whether the command marks the group as doubtful.
     pub(crate) fn is_doubtful(&self) -> bool {
         self.status == "doubtful"
     }
 
-    /// Whether the group is badly re-rendered without a word.
+    /// Whether the group is badly re-rendered without being marked.
     pub(crate) fn is_silent_failure(&self) -> bool {
         let is_bad = self.error > ERROR_MAX || self.error > FLOORS_MAX * self.floor;
         is_bad && !self.is_doubtful()
     }
 }
 
-/// The photograph that was recovered from, and what would be seen without any error.
+/// The photograph of the recovery, and the picture that a recovery without errors would give.
 struct Evidence<'a> {
     plan: &'a Plan,
     geometry: GeometryBuffers,
-    /// As the recovery has it, in radiance.
+    /// As in the recovery, in radiance.
     photo: RgbImage,
     rerendered: RgbImage,
-    /// The picture with nothing wrong, rendered as often as the recovery's.
+    /// The picture with the true materials, with as many paths as the recovery's.
     ideal: RgbImage,
 }
 
@@ -160,8 +160,8 @@ pub(crate) fn score(
     Ok(scores)
 }
 
-/// Whether the found hypothesis is right. Of the foreign family no hypothesis is that of the truth: what
-/// is plain has to be found plain, what shines to shine, what is textured to be textured.
+/// Whether the found hypothesis is right. In the foreign family no hypothesis is that of the truth:
+/// diffuse groups have to be found diffuse, glossy ones glossy, textured ones textured.
 fn verdict(family: Family, found: &Entry, truth: &Entry, seen: &simpler::Observed<'_>) -> Verdict {
     let kind = |entry: &Entry| match (family, entry.kind()) {
         (Family::InModel, kind) => kind.to_owned(),
@@ -189,7 +189,7 @@ fn noise(meta: &Meta, format: Format, level: f64) -> f64 {
     let rounding = match format {
         Format::Exr => 0.0,
         Format::Png => step / 12f64.sqrt(),
-        // Rounded in blocks by a table: two codes.
+        // Its coefficients are quantised by a table: about two codes.
         Format::Jpeg => 2.0 * step,
     };
     rendering.hypot(camera).hypot(rounding)
@@ -215,7 +215,8 @@ impl Evidence<'_> {
         let error = sum(&|i| square(at(&self.photo, i) - at(&self.rerendered, i)));
         let floor = match self.plan.style.family {
             Family::InModel => sum(&|i| square(at(&self.photo, i) - at(&self.ideal, i))),
-            // What the camera added, the rendering's noise, and as much again for the re-rendering's.
+            // The noise of the camera, that of the rendering, and as much again for that of the
+            // re-rendering.
             Family::Foreign => {
                 let clean = photograph.mean();
                 let added = sum(&|i| square(at(&self.photo, i) - at(&clean, i)));

@@ -1,9 +1,9 @@
-//! Errors of a group's numbers, absolute and in units of their stated standard deviations.
+//! Errors of a group's parameters, absolute and in units of their stated standard deviations.
 
 use super::entry::Entry;
 use serde::{Deserialize, Serialize};
 
-/// The errors of a group's numbers; none where there is nothing to compare.
+/// The errors of a group's parameters; none where there is nothing to compare.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Errors {
     /// The largest over the channels; of textures, the mean over the pixels that show them.
@@ -14,7 +14,7 @@ pub(crate) struct Errors {
     pub(crate) ln_alpha: Option<f64>,
     /// The angle between the directions, degrees.
     pub(crate) theta_deg: Option<f64>,
-    /// Every number's error over its standard deviation, where that is stated.
+    /// Every parameter's error over its standard deviation, where that is stated.
     pub(crate) in_std: Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ pub(crate) fn errors(found: &Entry, truth: &Entry) -> Errors {
             (found.alpha_x, truth.alpha_x, std.alpha_x),
             (found.alpha_y, truth.alpha_y, std.alpha_y),
         ];
-        // The two roughnesses of a lobe without a direction are one number.
+        // The two roughnesses of a lobe without a direction are one parameter.
         let numbers = if brushed(&truth) || brushed(&found) { 2 } else { 1 };
         for (found, truth, std) in pairs.into_iter().take(numbers) {
             let (Some(found), Some(truth)) = (found, truth) else { continue };

@@ -1,29 +1,31 @@
-//! Whether a simpler hypothesis is right as well: what the photograph does not distinguish.
+//! Whether a simpler hypothesis counts as right, too, as the photograph cannot distinguish it from
+//! the truth.
 //!
-//! A group's true rendering `T` is compared with the best that a simpler hypothesis can do in the true
+//! A group's true rendering `T` is compared with the best fit of a simpler hypothesis in the true
 //! light. Diffuse: `rho_d D`, with `D` the radiance of a white surface there. Isotropic, for an
 //! anisotropic group: `rho_d D + rho_s S(alpha)`, the best over alpha. Both are least squares, weighted
 //! by the photograph's noise. The simpler one counts as right if the difference is not significant,
 //!
 //! `chi^2 = sum (T - simpler)^2 / sigma^2 <= 2 k ln n`,
 //!
-//! with `n` pixels and `k` parameters less (the penalty of the Bayesian information criterion, doubled
-//! since pixels that are alike count twice), or if it is too small for the renderers to agree on: its
-//! root mean square is at most [`ALIKE`] of the group's mean.
+//! with `n` pixels and `k` fewer parameters (the penalty of the Bayesian information criterion,
+//! doubled since pixels with similar values count twice), or if it is within the difference of the
+//! renderers: its root mean square is at most [`ALIKE`] of the group's mean.
 
 use glam::DVec3;
 use unrender::render::{GlossyLobe, ProbeSettings, Probes, ProposalLobe, Tracer};
 use unrender::scene::{Camera, Rgb, Scene};
 
-/// How far the renderers' pictures of one scene are apart, of a group's mean: the mean deviation that
-/// `corpus --verify` finds.
+/// The difference of the renderers' pictures of one scene, as a share of a group's mean: the mean
+/// deviation that `corpus --verify` finds.
 const ALIKE: f64 = 0.005;
-/// At most so many pixels of a group are looked at, spread over all of them.
+/// The most pixels of a group that are used, spread over all of them.
 const PIXELS: usize = 500;
-/// Roughnesses that an isotropic explanation is tried with, in the logarithm between the two.
+/// The number of roughnesses that are tried for an isotropic fit, evenly in the logarithm between
+/// the two.
 const ALPHAS: usize = 7;
 
-/// What the photograph shows of a group.
+/// The evidence of the photograph about a group.
 pub(crate) struct Observed<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) tracer: &'a Tracer,
@@ -73,7 +75,7 @@ pub(crate) fn explains(seen: &Observed<'_>, kind: &str) -> bool {
             (best, least) = (chi2, rms);
         }
     }
-    // The pixels that were looked at stand for all.
+    // The used pixels represent all of them.
     let count = seen.pixels.len() as f64;
     best * step as f64 <= 2.0 * f64::from(fewer) * count.ln().max(1.0) || least <= ALIKE
 }
@@ -96,7 +98,7 @@ fn probes(seen: &Observed<'_>, pixels: &[u32], seed: u64) -> Probes {
     seen.tracer.probe(&materials, seen.camera, seen.size, pixels, &settings, None)
 }
 
-/// The radiance of the true material at every probe.
+/// The radiance with the true material at every probe.
 fn values(set: &Probes, scene: &Scene, group: usize) -> Vec<Rgb> {
     let material = &scene.groups[group].material;
     let specular = if material.is_glossy() {
@@ -124,7 +126,7 @@ fn lobes(set: &Probes, lobe: &GlossyLobe, theta_rad: f32) -> Vec<Rgb> {
 }
 
 /// Chi^2 and relative root mean square of the best explanation by `diffuse` and `specular`; each
-/// product is of two independent sets, so that the probes' own noise adds nothing.
+/// product is of two independent sets, so that the probes' noise adds no bias.
 fn residual(
     truth: &[Vec<Rgb>; 2],
     diffuse: &[Vec<Rgb>; 2],
@@ -165,7 +167,7 @@ fn residual(
             mean[channel] += at(truth, 0, i) / count as f64;
         }
     }
-    // A camera ray is one pixel's sample; two make a pixel.
+    // A camera ray is one sample of a pixel; two make a pixel.
     let level = mean.element_sum() / 3.0;
     let rms = (squares.max(0.0) / (3.0 * count.max(1) as f64)).sqrt();
     (0.5 * chi2, rms / level.max(1e-12))

@@ -13,7 +13,7 @@ pub(crate) fn share(successes: usize, trials: usize) -> (f64, f64, f64) {
     (p, (centre - half).max(0.0), (centre + half).min(1.0))
 }
 
-/// The share and its interval in percent, as the page has them.
+/// The share and its interval in percent, for the page.
 pub(crate) fn text(successes: usize, trials: usize) -> String {
     if trials == 0 {
         return "-".to_owned();
@@ -22,7 +22,7 @@ pub(crate) fn text(successes: usize, trials: usize) -> String {
     format!("{:.1} % ({:.1} to {:.1}) of {trials}", 100.0 * p, 100.0 * low, 100.0 * high)
 }
 
-/// The value below which the share `share` of `values` lies; none of no values.
+/// The value below which the share `share` of `values` lies; none if there are no values.
 pub(crate) fn quantile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted: Vec<f64> = values.iter().copied().filter(|value| !value.is_nan()).collect();
     sorted.sort_by(f64::total_cmp);

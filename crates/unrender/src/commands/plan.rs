@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use unrender_formats::{Input, materials};
 use unrender_recover::{IterationRecord, Observer, Options};
 
-/// Says which photograph to take next, after a recovery.
+/// Suggests which photograph to take next, after a recovery.
 ///
 /// Candidates are the scene's cameras that took no photograph yet, a ring of cameras about what the first photograph
 /// shows, and that photograph again with a lamp off. Each is rendered with the recovered materials, gets the noise of

@@ -21,7 +21,7 @@ use unrender_restage::composite::Gain;
 use unrender_restage::pair::{self, Pairing};
 use unrender_scene::{Camera, Warnings};
 
-/// Renders a recovered scene with edits, or puts them into its photograph.
+/// Renders a recovered scene with edits, or composites them into its photograph.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender restage edit.toml --out new\n  \
