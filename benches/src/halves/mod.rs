@@ -1,5 +1,5 @@
-//! Measures the effect of half and double of a constant of the recovery: `cargo run --release -p unrender-benches --
-//! halves NAMES`.
+//! Measures the effect of half and double of a constant of the recovery:
+//! `cargo run --release -p unrender-benches -- halves NAMES`.
 //!
 //! [`code`] finds the constants in the code and writes other values into a copy of it, [`measure`] builds that copy and
 //! recovers the tiny scenes of `examples/corpus` with it, and [`page`] writes a row for each constant into

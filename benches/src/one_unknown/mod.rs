@@ -1,5 +1,5 @@
-//! Recovers one group at a time, in seconds: `cargo run --release -p unrender-benches -- one-unknown
-//! PROJECT TRUTH`.
+//! Recovers one group at a time, in seconds:
+//! `cargo run --release -p unrender-benches -- one-unknown PROJECT TRUTH`.
 //!
 //! Each group of a project in turn is recovered while all others are held at the truth, with one line per
 //! result. [`choice`] chooses the groups, [`ask`] recovers one, [`row`] makes its line, and [`summary`] the last

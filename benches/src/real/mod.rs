@@ -1,5 +1,5 @@
-//! Recovers from real photographs, and scores the results: `cargo run --release -p unrender-benches
-//! -- real`.
+//! Recovers from real photographs, and scores the results:
+//! `cargo run --release -p unrender-benches -- real`.
 //!
 //! The photographs belong to others and are not part of the repository; `docs/validation/real.md`, which
 //! this module writes, describes where each set is and how to fetch it. A case whose data is absent is left

@@ -1,5 +1,5 @@
-//! Recovers the room when photograph and model do not quite fit: `cargo bench -p unrender --bench
-//! registration_dials [-- WORDS]`.
+//! Recovers the room when photograph and model do not quite fit:
+//! `cargo bench -p unrender --bench registration_dials [-- WORDS]`.
 //!
 //! Turns the camera of `examples/room` by some pixels, compresses the photograph, adds noise, or
 //! hangs something on the wall that the model lacks; recovers with the built command, with and

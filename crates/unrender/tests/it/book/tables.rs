@@ -1,5 +1,5 @@
-//! The tables of keys on the pages of `docs/reference`, made from the schemas. `<!-- keys
-//! NAME#POINTER -->` marks the place of one.
+//! The tables of keys on the pages of `docs/reference`, made from the schemas.
+//! `<!-- keys NAME#POINTER -->` marks the place of one.
 
 use super::schema::{NAMES, schema, target};
 use super::{files, hold, root};
