@@ -3,9 +3,9 @@
 
     python blender/build.py [--wheel FILE.whl ...] [--out FOLDER]
 
-Without --wheel, the package is built first, for this machine, by pip (Rust has to be there). With several
-wheels, the .zip serves all of their platforms. Install it in Blender by Edit > Preferences > Get
-Extensions > Install from Disk.
+Without --wheel, pip first builds the package for this machine (which needs Rust). With several wheels,
+the .zip is for all of their platforms. Install it in Blender by Edit > Preferences > Get Extensions >
+Install from Disk.
 """
 
 import argparse
@@ -19,7 +19,7 @@ import zipfile
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
 
-# Blender's names of platforms by what wheels are called.
+# Blender's names of platforms by the platform tags of wheels.
 PLATFORMS = {
     r"linux.*_x86_64|manylinux.*_x86_64": "linux-x64",
     r"macosx.*_arm64": "macos-arm64",
@@ -56,7 +56,7 @@ def manifest(wheels):
 
 
 def build(wheels, out):
-    """Writes the .zip into the folder ``out``; its path."""
+    """Writes the .zip into the folder ``out``; returns its path."""
     version = re.search(r'^version = "(.*)"', manifest(wheels), re.MULTILINE)[1]
     names = "-".join(sorted({platform(wheel) for wheel in wheels}))
     out.mkdir(parents=True, exist_ok=True)

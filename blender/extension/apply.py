@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 4, apply: recovered materials as node trees beside the old ones, and one click back."""
+"""Step 4, apply: recovered materials as node trees beside the old ones, and the way back in one
+click."""
 
 import json
 import os
@@ -16,7 +17,7 @@ KEYS = ("rho_d", "rho_s", "alpha_x", "alpha_y", "theta_deg", "emission")
 
 
 class UNRENDER_OT_apply(bpy.types.Operator):
-    """Put the recovered materials onto the objects, as new materials beside the old ones"""
+    """Assign the recovered materials to the objects, as new materials beside the old ones"""
 
     bl_idname = "unrender.apply"
     bl_label = "Apply"
@@ -48,7 +49,7 @@ class UNRENDER_OT_apply(bpy.types.Operator):
 
 
 class UNRENDER_OT_revert(bpy.types.Operator):
-    """Put the old materials back; the recovered ones stay in the file"""
+    """Assign the old materials again; the recovered ones stay in the file"""
 
     bl_idname = "unrender.revert"
     bl_label = "Back"
@@ -66,10 +67,10 @@ class UNRENDER_OT_revert(bpy.types.Operator):
 
 
 def exported(result, folder):
-    """What Cycles needs of every group, with its parameters: (entry, group) by name."""
+    """The description of every group for Cycles, with its parameters: (entry, group) by name."""
     recovery = unrender.Recovery.read(result)
     with warnings.catch_warnings():
-        # They are about what a scene of its own would lack; here lamps and world are there.
+        # The warnings are about parts that an exported scene lacks; lamps and world exist here.
         warnings.simplefilter("ignore", unrender.UnrenderWarning)
         unrender.export(result, to="blender", out=os.path.join(folder, "export"))
     with open(os.path.join(folder, "export", "scene.json"), encoding="utf-8") as file:
@@ -85,11 +86,11 @@ def exported(result, folder):
 
 
 def make(item, entry, group, folder):
-    """The new material of a result, or the one that was made before, with new nodes."""
+    """The new material of a result, or the existing one, with new nodes."""
     if item.made is None:
         item.made = bpy.data.materials.new(item.material.name + SUFFIX)
         item.made.unrender_original = item.material
-        # It stays in the file without users, once the old one is back.
+        # It stays in the file without users when the old one is assigned again.
         item.made.use_fake_user = True
     both = {item.material, item.made}
     users = [thing for thing in bpy.data.objects if has_one_of(thing, both)]
@@ -103,14 +104,14 @@ def has_one_of(thing, materials):
 
 
 def exchange(swaps):
-    """Puts other materials into the slots; the names of those that then no slot has."""
+    """Replaces materials in the slots; returns the names of those that no slot has afterwards."""
     missed = {made: material.name for material, made in swaps.items()}
     for thing in bpy.data.objects:
         for slot in thing.material_slots:
             made = swaps.get(slot.material)
             if made is not None and thing.library is None:
                 if slot.link == "DATA" and thing.data.library is not None:
-                    # The slot becomes that of the object, which is ours.
+                    # The slot is linked to the object, which is not in a library.
                     slot.link = "OBJECT"
                 slot.material = made
             missed.pop(slot.material, None)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 5, composite: objects put into the photograph, with their shadows and reflections."""
+"""Step 5, composite: inserts objects into the photograph, with their shadows and reflections."""
 
 import json
 import os
@@ -14,14 +14,14 @@ COMPOSITE = "unrender composite"
 
 
 class UNRENDER_OT_mark_inserted(bpy.types.Operator):
-    """Say of the selected objects that the photograph does not show them: they are no part of the model, and
-    are put into the photograph by Composite"""
+    """Mark the selected objects as missing in the photograph: they are not part of the model, and Composite
+    inserts them into the photograph"""
 
     bl_idname = "unrender.mark_inserted"
     bl_label = "Not in the photograph"
     bl_options = {"REGISTER", "UNDO"}
 
-    clear: BoolProperty(name="Take back", description="The photograph shows them after all")
+    clear: BoolProperty(name="Take back", description="The photograph does show them")
 
     @classmethod
     def poll(cls, context):
@@ -37,7 +37,7 @@ class UNRENDER_OT_mark_inserted(bpy.types.Operator):
 
 
 class UNRENDER_OT_composite(bpy.types.Operator):
-    """Put the selected objects that the photograph does not show into it"""
+    """Insert the selected objects that are marked as not in the photograph into it"""
 
     bl_idname = "unrender.composite"
     bl_label = "Composite"
@@ -66,10 +66,10 @@ class UNRENDER_OT_composite(bpy.types.Operator):
 
 
 def write_edit(context, folder):
-    """The edit file with the selected objects as a model; doubts."""
+    """Writes the edit file with the selected objects as a model; returns warnings."""
     chosen = {thing for thing in context.selected_objects if thing.get(geometry.INSERTED)}
     if not chosen:
-        raise model.Missing("Select objects, and say of them that they are not in the photograph")
+        raise model.Missing("Select objects, and mark them as not in the photograph")
     if not os.path.isfile(os.path.join(folder, "result", "materials.json")):
         raise model.Missing("Recover the materials first")
 
@@ -78,7 +78,7 @@ def write_edit(context, folder):
 
     inserted, *_, doubts = model.scene_of(context, wanted, with_lights=False)
     inserted.save(os.path.join(folder, "inserted.glb"))
-    # JSON's texts are TOML's, too.
+    # JSON strings are valid in TOML, too.
     lines = [
         f"recovered = {json.dumps('result')}",
         f"project = {json.dumps('project.toml')}",
@@ -97,7 +97,7 @@ def show(ended, doubts):
     scene.unrender.messages = "\n".join(dict.fromkeys([*doubts, *ended.doubts]))
     picture = ended.result.folder / "composite.png"
     if not picture.is_file():
-        scene.unrender.message = "Composite: ended before its end"
+        scene.unrender.message = "Composite: cancelled"
         return
     image = pictures.load(str(picture), COMPOSITE)
     pictures.show(image)

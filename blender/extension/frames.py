@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames: Blender's z points up, that of unrender is its y; cameras in both.
+"""Frames: in Blender z points up, in unrender y; cameras in both.
 
-A point (x, y, z) of Blender is (x, z, -y) there. Pixels count from the picture's top left corner.
+A point (x, y, z) of Blender is (x, z, -y) in unrender. Pixels count from the picture's top left
+corner.
 """
 
 import math
@@ -12,7 +13,7 @@ from mathutils import Matrix, Vector
 
 # From unrender's frame to Blender's.
 Z_UP = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
-# A camera that looks along +y, its up upwards.
+# A camera that looks along +y and is upright.
 LEVEL = Matrix.Rotation(math.radians(90.0), 4, "X")
 
 
@@ -34,17 +35,18 @@ def z_up_one(vector):
 
 
 def camera_of(thing, depsgraph, size):
-    """The camera object ``thing`` as unrender has it, for a picture of ``size`` (width, height).
+    """The camera object ``thing`` as a camera of unrender, for a picture of ``size`` (width,
+    height).
 
-    The projection matrix says all that sensor, fit and shift do:
-    ``[Blender manual, Cameras; OpenGL, perspective matrix]``.
+    The projection matrix contains the effects of sensor, fit and shift: ``[Blender manual, Cameras;
+    OpenGL, perspective matrix]``.
     """
     width, height = size
     projection = thing.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=1.0, scale_y=1.0)
     axes = thing.matrix_world.to_3x3()
     axes.normalize()
     eye = thing.matrix_world.translation
-    # The axis is where (0, 0, -1) is drawn, in half widths and half heights from the centre.
+    # The axis is at the image of (0, 0, -1), in half widths and half heights from the centre.
     right, up = -projection[0][2], -projection[1][2]
     return unrender.Camera(
         eye=y_up_one(eye),
@@ -57,7 +59,7 @@ def camera_of(thing, depsgraph, size):
 
 
 def place_camera(thing, camera):
-    """Puts the camera object ``thing`` where ``camera`` of unrender stands."""
+    """Gives the camera object ``thing`` the pose and lens of ``camera`` of unrender."""
     eye, target, up = (Vector(z_up_one(v)) for v in (camera.eye, camera.target, camera.up))
     back = (eye - target).normalized()
     right = up.cross(back).normalized()
@@ -66,7 +68,7 @@ def place_camera(thing, camera):
     data.type = "PERSP"
     data.sensor_fit = "VERTICAL"
     data.angle_y = math.radians(camera.fov_y_deg)
-    # An axis right of the middle has the frame moved to the left, in heights of it.
+    # If the axis is right of the middle, the frame is shifted to the left, in heights of it.
     data.shift_x, data.shift_y = -camera.principal_point[0], camera.principal_point[1]
-    # The last, since a parent or a constraint is to have no say in it.
+    # Set last, since a parent or a constraint must not change it.
     thing.matrix_world = Matrix.Translation(eye) @ axes.to_4x4()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surfaces: the evaluated scene as meshes of one material each.
 
-What is evaluated has its modifiers applied, its instances made and its libraries linked; it is what the
-viewport shows.
+In the evaluated scene modifiers are applied, instances are made and libraries are linked; the viewport
+shows it.
 """
 
 import numpy as np
@@ -13,16 +13,17 @@ from .frames import y_up
 SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 NO_MATERIAL = "(no material)"
 INSERTED = "unrender_insert"
-"""The property of objects that are to be put into the photograph, and are not in it yet."""
+"""The property of objects that are to be inserted into the photograph."""
 
 
 def group_name(material):
-    """The group of what has this material; one that was recovered stands for the one that it is beside."""
+    """The group of surfaces with this material; a recovered material belongs to the group of its
+    original."""
     return NO_MATERIAL if material is None else first(material).name_full
 
 
 def first(material):
-    """The user's own material, of which a recovered one was made."""
+    """The user's own material, from which a recovered one was made."""
     return getattr(material, "unrender_original", None) or material
 
 
@@ -36,7 +37,7 @@ def unused(name, taken):
 
 
 def surfaces(depsgraph, wanted):
-    """Every surface with its place: (object, matrix). ``wanted`` says which original objects count."""
+    """Every surface with its place: (object, matrix). ``wanted`` selects the original objects."""
     for instance in depsgraph.object_instances:
         thing = instance.object
         owner = instance.parent if instance.is_instance else thing
@@ -84,7 +85,8 @@ def parts(mesh, slots, matrix):
     uvs = texture_coordinates(mesh)
     linear = matrix[:3, :3]
     positions = y_up(positions @ linear.T + matrix[:3, 3])
-    # Normals go by the inverse transpose; what is mirrored has its corners in the other order.
+    # Normals are transformed by the inverse transpose; mirrored triangles get the reverse order of
+    # corners.
     normals = y_up(normals @ np.linalg.pinv(linear))
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     if np.linalg.det(linear) < 0.0:
@@ -97,7 +99,7 @@ def parts(mesh, slots, matrix):
 
 
 def arrays(loops, vertex, positions, normals, uvs):
-    """Vertices that share position, normal and texture coordinates are one."""
+    """Merges vertices with the same position, normal and texture coordinates."""
     columns = [positions[vertex[loops.ravel()]], normals[loops.ravel()]]
     if uvs is not None:
         columns.append(uvs[loops.ravel()])
@@ -112,7 +114,8 @@ def arrays(loops, vertex, positions, normals, uvs):
 
 
 def texture_coordinates(mesh):
-    """Those that are rendered, from the top left of the texture; None if there are none."""
+    """The texture coordinates that are rendered, from the top left of the texture; None if there
+    are none."""
     layer = next((layer for layer in mesh.uv_layers if layer.active_render), None)
     if layer is None:
         return None

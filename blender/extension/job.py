@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work in the background: a thread, and a timer that brings what it says to the panel.
+"""Work in the background: a thread, and a timer that passes its messages to the panel.
 
-The package leaves Python's lock free while it works, so that Blender stays usable. Only the timer, which
-Blender calls from its own thread, touches Blender's data.
+The package releases Python's lock while it works, so that Blender stays usable. Only the timer, which
+Blender calls in its own thread, touches Blender's data.
 """
 
 import threading
@@ -13,10 +13,11 @@ import bpy
 import unrender
 
 INTERVAL = 0.2
-"""Seconds between two looks at the work: half of it draws the panel twice as often, double lags visibly."""
+"""Seconds between two checks of the work: half of it draws the panel twice as often, double lags
+visibly."""
 
 current = None
-"""The work that is going on, or ended last."""
+"""The running work, or the last one."""
 
 
 class Job:
@@ -40,14 +41,15 @@ class Job:
                 warnings.simplefilter("always", unrender.UnrenderWarning)
                 self.result = work(self._heard, self.token)
             self.doubts = [str(w.message) for w in told if issubclass(w.category, unrender.UnrenderWarning)]
-        except Exception as error:  # Whatever it is, the panel shows it; a thread has nobody to tell.
+        except Exception as error:  # The panel shows any error, as a thread has no caller.
             self.error = error
 
     def _heard(self, fraction, message):
         self.fraction, self.message = fraction, message
 
     def poll(self):
-        """Brings progress to the panel, and at the end the result; whether the work goes on."""
+        """Passes progress to the panel, and at the end the result; returns whether the work
+        continues."""
         if self.is_over:
             return False
         goes_on = self._thread.is_alive()
@@ -72,7 +74,7 @@ class Job:
         return goes_on
 
     def wait(self):
-        """Until it has ended."""
+        """Waits until it has ended."""
         while self.poll():
             time.sleep(0.02)
         if self.error is not None:
@@ -80,7 +82,7 @@ class Job:
 
 
 def start(title, scene, work, done, look=lambda: None):
-    """Starts a job, and the timer that looks after it."""
+    """Starts a job, and its timer."""
     global current
     current = Job(title, scene, work, done, look)
     made = current
@@ -93,7 +95,7 @@ def start(title, scene, work, done, look=lambda: None):
 
 
 def is_running():
-    """Whether something is going on."""
+    """Whether work is running."""
     return current is not None and not current.is_over
 
 
@@ -106,7 +108,7 @@ def redraw():
 
 
 def finish(operator, job, waits):
-    """The end of an operator that has started ``job``: without a window nobody looks at a timer."""
+    """The end of an operator that has started ``job``: without a window, timers do not run."""
     if not (waits or bpy.app.background):
         return {"FINISHED"}
     try:

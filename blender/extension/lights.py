@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lights of Blender as unrender has them.
+"""Lights of Blender as lights of unrender.
 
-Watts are those that a light sends into all directions. An area light of power P and area A has the
-radiance P/(pi A); a point light sends P/(4 pi) watts a steradian, and with a radius r is a sphere of the
-radiance P/(4 pi^2 r^2). [Blender manual, Light Objects]
+Watts are the power that a light emits into all directions. An area light of power P and area A has the
+radiance P/(pi A); a point light emits P/(4 pi) watts per steradian, and with a radius r is a sphere of
+the radiance P/(4 pi^2 r^2). [Blender manual, Light Objects]
 """
 
 import math
@@ -16,14 +16,16 @@ from .frames import y_up, y_up_one
 from .geometry import unused
 
 DISK_CORNERS = 64
-"""A polygon of so many corners is a disk: half of them give a rim that is off by 0.5 % of the radius, twice
-as many change no pixel."""
+"""A disk is a polygon of this many corners: half as many give a rim that is off by 0.5 % of the radius,
+twice as many change no pixel."""
 SPHERE_RINGS = 16
-"""Rings of a spherical lamp: half of them show in its mirror images, twice as many in nothing."""
+"""Rings of a spherical lamp: half as many are visible in its mirror images, twice as many change
+nothing."""
 
 
 def lights(depsgraph, wanted):
-    """The lamps of the scene: meshes that emit, their groups, lights without a surface, and doubts."""
+    """The lamps of the scene: meshes that emit, their groups, lights without a surface, and
+    warnings."""
     made, groups, points, doubts = [], {}, [], []
     for instance in depsgraph.object_instances:
         thing = instance.object
@@ -53,9 +55,9 @@ def lights(depsgraph, wanted):
 
 
 def colour_of(light, name, doubts):
-    """Power or irradiance by channel; of nodes, a plain emission is understood."""
+    """Power or irradiance per channel; of nodes, only a plain emission is read."""
     colour = np.array(light.color, dtype=float) * light.energy * 2.0 ** getattr(light, "exposure", 0.0)
-    # Temperature and the switch of normalisation came with Blender 4.5.
+    # Blender has temperature and the switch of normalisation since 4.5.
     if getattr(light, "use_temperature", False):
         colour *= np.array(light.temperature_color)
     if not getattr(light, "normalize", True):
@@ -67,7 +69,7 @@ def colour_of(light, name, doubts):
             strength = nodes[0].inputs["Strength"].default_value
             colour *= np.array(nodes[0].inputs["Color"].default_value[:3]) * strength
         elif nodes:
-            doubts.append(f'light "{name}": its nodes are more than an emission and were not looked at')
+            doubts.append(f'light "{name}": its nodes are more than an emission and were not read')
     return colour
 
 
@@ -86,7 +88,7 @@ def area(light, matrix, colour, name, doubts):
         doubts.append(f'light "{name}": its spread is taken as 180 degrees')
     corners = [matrix @ Vector((x * width, y * height, 0.0)) for x, y in rim]
     faces = [(0, k, k + 1) for k in range(1, len(corners) - 1)]
-    # The lamp's scale counts for its size, not for its power.
+    # The lamp's scale changes its size, not its power.
     across, along = matrix.col[0].to_3d(), matrix.col[1].to_3d()
     size = across.cross(along).length * width * height * share
     mesh = unrender.Mesh(name, y_up(corners), np.array(faces), name=name)
@@ -112,7 +114,7 @@ def sphere(light, matrix, colour, name):
     points = np.array(rows) * radius + centre
     triangles = points[np.array(faces)]
     crosses = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    # What a convex body shows of itself is, on average over all directions, a quarter of its surface.
+    # The projected area of a convex body, averaged over all directions, is a quarter of its surface.
     shown = 0.5 * np.linalg.norm(crosses, axis=1).sum() / 4.0
     mesh = unrender.Mesh(name, y_up(points), np.array(faces), name=name)
     return mesh, colour / (4.0 * math.pi * shown)
@@ -129,7 +131,7 @@ def spot(light, matrix, colour, name, doubts):
     half = 0.5 * light.spot_size
     inner = math.acos(min(1.0, math.cos(half) + (1.0 - math.cos(half)) * light.spot_blend))
     if light.spot_blend > 0.05:
-        doubts.append(f'spot "{name}": the rim of its cone falls off a little otherwise than in Blender')
+        doubts.append(f'spot "{name}": the rim of its cone falls off slightly differently from Blender')
     return unrender.Light(
         "spot",
         tuple(colour / (4 * math.pi)),

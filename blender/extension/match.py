@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 1, match the camera: pairs of points and pixels give the camera, with an error a pair."""
+"""Step 1, match the camera: pairs of points and pixels give the camera, and an error per pair."""
 
 import os
 import re
@@ -15,11 +15,12 @@ from . import frames, model, pictures
 from .properties import UNKNOWN
 
 LEAST = 5
-"""Pairs for pose and focal length; one fewer will do for a known lens, one more for a shift."""
+"""The least number of pairs for pose and focal length; one fewer for a known lens, one more for a
+shift."""
 
 
 def least(settings):
-    """How many pairs the camera needs."""
+    """The number of pairs that the camera needs."""
     return LEAST - settings.held_fov + settings.principal_point
 
 
@@ -108,7 +109,7 @@ class UNRENDER_OT_match_camera(bpy.types.Operator):
     def execute(self, context):
         settings = context.scene.unrender
         if len(settings.pairs) < least(settings) and not self.keep:
-            self.report({"ERROR"}, f"{least(settings)} pairs at least, and twice as many show which are wrong")
+            self.report({"ERROR"}, f"{least(settings)} pairs at least; twice as many also show which are wrong")
             return {"CANCELLED"}
         try:
             with warnings.catch_warnings(record=True) as told:
@@ -126,7 +127,7 @@ class UNRENDER_OT_match_camera(bpy.types.Operator):
 
 
 def calibrate(context):
-    """Puts the scene's camera where the pairs say."""
+    """Moves the scene's camera to the place that the pairs give."""
     scene, settings = context.scene, context.scene.unrender
     photo, size = model.photo_of(scene)
     folder = model.folder_of(scene)
@@ -151,7 +152,7 @@ def calibrate(context):
 
 
 def measure(context):
-    """The distance of every pair's point from its pixel, as the camera is now."""
+    """The distance of every pair's point from its pixel, for the present camera."""
     scene, settings = context.scene, context.scene.unrender
     _, size = model.photo_of(scene)
     camera = frames.camera_of(scene.camera, context.evaluated_depsgraph_get(), size)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's scene as scene and project of unrender."""
+"""Converts Blender's scene to a scene and a project of unrender."""
 
 import dataclasses
 import os
@@ -12,11 +12,11 @@ from . import frames, geometry, lights, shaders, world
 
 
 class Missing(Exception):
-    """What the user has to do first."""
+    """A step that the user has to do first."""
 
 
 BRDF = "ggx"
-"""The lobe of Cycles' Glossy BSDF; with it, nothing is converted on the way back."""
+"""The lobe of Cycles' Glossy BSDF; with it, results need no conversion."""
 
 
 def folder_of(scene):
@@ -41,7 +41,7 @@ def photo_of(scene):
 
 
 def photographs(context):
-    """All photographs: for each its path, its response and its camera; that of step 1, if one is there, is the last."""
+    """All photographs: for each its path, its response and its camera; that of step 1, if there is one, is the last."""
     scene, settings = context.scene, context.scene.unrender
     taken = [(shot.photo, tuple(shot.size), shot.response, shot.camera) for shot in settings.shots]
     if settings.photo or not taken:
@@ -65,12 +65,12 @@ def groups_of(materials, doubts):
 
 
 def scene_of(context, wanted=geometry.is_modelled, ignored=frozenset(), with_lights=True):
-    """The scene of unrender, its materials by the names of their groups, and doubts.
+    """The scene of unrender, its materials by the names of their groups, and warnings.
 
     Args:
-        wanted: Which objects count.
+        wanted: Selects the objects.
         ignored: The names of groups that are left out.
-        with_lights: Whether lamps and the world come along.
+        with_lights: Whether lamps and the world are included.
     """
     depsgraph = context.evaluated_depsgraph_get()
     meshes, materials = geometry.meshes(depsgraph, wanted, ignored)
@@ -95,7 +95,8 @@ def scene_of(context, wanted=geometry.is_modelled, ignored=frozenset(), with_lig
 
 
 def project_of(context):
-    """The project in the folder of the scene: (path, materials, doubts). Its files are written."""
+    """Writes the project and its files into the folder of the scene; returns (path, materials,
+    warnings)."""
     scene, settings = context.scene, context.scene.unrender
     taken = photographs(context)
     folder = folder_of(scene)
@@ -129,7 +130,7 @@ def project_of(context):
 
 
 def anchor(settings, groups):
-    """The group that fixes the exposure, as its material has it in Blender."""
+    """The group that fixes the exposure, with the colour of its material in Blender."""
     if settings.anchor not in groups:
         raise Missing("Name a diffuse material whose colour is known as the anchor")
     return {"group": settings.anchor, "rho_d": list(groups[settings.anchor].rho_d)}

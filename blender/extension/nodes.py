@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writing node trees: recovered parameters as a material of Cycles.
+"""Writes node trees: recovered parameters as a material of Cycles.
 
-The diffuse part is a Principled BSDF without a shine of its own. The shine is a Glossy BSDF added to it,
-since Principled reflects more towards grazing angles and the recovered lobe does not.
+The diffuse part is a Principled BSDF without specular reflection. The specular part is a Glossy BSDF
+added to it, since Principled reflects more towards grazing angles and the recovered lobe does not.
 """
 
 import json
@@ -18,10 +18,10 @@ def build(material, entry, group, folder, has_uvs):
     """Gives ``material`` the nodes of a group.
 
     Args:
-        entry: The group as ``unrender export --to blender`` writes it, its lobe that of Cycles.
+        entry: The group as ``unrender export --to blender`` writes it, with the lobe of Cycles.
         group: The group's parameters, kept with the material.
-        folder: Where the entry's texture lies.
-        has_uvs: Whether the surfaces have texture coordinates, from whose u angles count.
+        folder: The folder of the entry's texture.
+        has_uvs: Whether the surfaces have texture coordinates; then angles count from u.
     """
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -61,7 +61,7 @@ def matte(nodes, links, entry, folder):
 
 
 def shiny(nodes, links, entry, group, has_uvs):
-    """The specular part: microfacets, their reflectance the same at all angles."""
+    """The specular part: microfacets with the same reflectance at all angles."""
     node = nodes.new("ShaderNodeBsdfAnisotropic")
     node.distribution = entry["microfacets"]
     node.inputs["Color"].default_value = (*entry["rho_s"], 1.0)
@@ -108,7 +108,7 @@ def added(nodes, links, total, closure):
 
 
 def arrange(node, column, row, seen):
-    """Puts every node to the left of the one that it leads to; the next free row."""
+    """Places every node to the left of the one to which it leads; returns the next free row."""
     if node.name in seen:
         return row
     seen.add(node.name)

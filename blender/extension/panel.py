@@ -10,7 +10,7 @@ from .geometry import INSERTED
 from .properties import UNKNOWN
 
 COLUMNS = 44
-"""Characters of a line of text in the sidebar as wide as it is at first."""
+"""Characters of a line of text in a sidebar of the default width."""
 
 
 def lines(layout, text, icon="NONE"):
@@ -23,7 +23,7 @@ def lines(layout, text, icon="NONE"):
 
 
 class UNRENDER_UL_pairs(bpy.types.UIList):
-    """Pairs, with how far each is off; wrong ones are red."""
+    """Pairs, with their errors; wrong ones are red."""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property):
         row = layout.row(align=True)
@@ -54,7 +54,7 @@ class UNRENDER_UL_groups(bpy.types.UIList):
 
 
 class UNRENDER_UL_results(bpy.types.UIList):
-    """What came out; doubtful ones are red."""
+    """The results; doubtful ones are red."""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property):
         row = layout.row(align=True)
@@ -65,7 +65,7 @@ class UNRENDER_UL_results(bpy.types.UIList):
 
 
 class Step:
-    """What the steps have in common."""
+    """The common part of the steps."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -100,7 +100,7 @@ class UNRENDER_PT_match(Step, bpy.types.Panel):
         row.prop(settings, "principal_point")
         missing = match.least(settings) - len(settings.pairs)
         if missing > 0:
-            layout.label(text=f"{missing} more pairs, better twice as many", icon="INFO")
+            layout.label(text=f"{missing} more pairs needed, better twice as many", icon="INFO")
         layout.operator("unrender.match_camera", icon="CAMERA_DATA").keep = False
         lines(layout, settings.focal)
         layout.operator("unrender.keep_photo", icon="ADD")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Picking a pair with the mouse: a vertex in the 3D view, then its place in the photograph."""
+"""Picks a pair with the mouse: a vertex in the 3D view, then its place in the photograph."""
 
 import bpy
 import numpy as np
@@ -10,8 +10,8 @@ from . import geometry
 from .pictures import PHOTO
 
 REACH = 20.0
-"""Pixels of the screen within which a vertex is taken: half of it has to be aimed for, double takes a
-neighbour in dense meshes."""
+"""Pixels of the screen within which a vertex is picked: half of it needs careful aiming, double picks
+a neighbour in dense meshes."""
 
 
 def nearest_vertex(depsgraph, view, size, mouse, wanted=geometry.is_modelled, reach=REACH):
@@ -38,7 +38,7 @@ def nearest_vertex(depsgraph, view, size, mouse, wanted=geometry.is_modelled, re
         places = (clip[:, :2] / clip[:, 3:] + 1.0) * 0.5 * np.array(size)
         distance = np.sum((places - np.array(mouse)) ** 2, axis=1)
         at = int(np.argmin(distance))
-        # Of vertices behind each other, the front one: they differ by less than a pixel.
+        # Of vertices behind each other, which differ by less than a pixel, the front one is picked.
         near = np.flatnonzero(distance < distance[at] + 1.0)
         at = int(near[np.argmin(clip[near, 3])])
         if distance[at] < best:

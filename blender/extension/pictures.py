@@ -9,7 +9,8 @@ PHOTO = "unrender photograph"
 
 
 def load(path, name):
-    """The picture in the file ``path`` as Blender's image ``name``, read anew if it is there."""
+    """The picture in the file ``path`` as Blender's image ``name``, which is read again if it
+    exists."""
     image = bpy.data.images.get(name)
     if image is None:
         image = bpy.data.images.load(path)
@@ -23,7 +24,7 @@ def load(path, name):
 
 
 def show(image):
-    """Shows the image in every image editor that has no other, or one of ours."""
+    """Shows the image in every image editor that has none, or one of ours."""
     for window in getattr(bpy.context.window_manager, "windows", []):
         for area in window.screen.areas:
             space = area.spaces.active
@@ -33,7 +34,8 @@ def show(image):
 
 
 def behind(camera, image, depth, alpha):
-    """Shows the image behind (``BACK``) or before (``FRONT``) what the camera sees."""
+    """Shows the image behind (``BACK``) or in front of (``FRONT``) the scene in the camera's
+    view."""
     camera.show_background_images = True
     found = [entry for entry in camera.background_images if entry.image == image]
     entry = found[0] if found else camera.background_images.new()
@@ -44,7 +46,8 @@ def behind(camera, image, depth, alpha):
 
 
 def through(scene, image, size):
-    """Shows a photograph of this size behind the scene, through its camera, and makes the output as large."""
+    """Shows a photograph of this size behind the scene in its camera's view, and sets the output to its
+    size."""
     render = scene.render
     render.resolution_x, render.resolution_y = size
     render.resolution_percentage = 100

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 2, prepare: materials as groups, and what of the input would spoil a recovery."""
+"""Step 2, prepare: materials as groups, and a check for problems that would spoil a recovery."""
 
 import os
 from collections import Counter
@@ -13,7 +13,7 @@ CHECK = "unrender check"
 
 
 class UNRENDER_OT_list_groups(bpy.types.Operator):
-    """List the materials of what is rendered; ticks stay"""
+    """List the materials of rendered objects; ticks stay"""
 
     bl_idname = "unrender.list_groups"
     bl_label = "List materials"
@@ -25,7 +25,7 @@ class UNRENDER_OT_list_groups(bpy.types.Operator):
 
 
 def refresh(context):
-    """The list of materials, as the scene is now."""
+    """Updates the list of materials from the scene."""
     settings = context.scene.unrender
     ticks = {geometry.group_name(g.material): (g.known, g.ignored) for g in settings.groups}
     _, materials = geometry.meshes(context.evaluated_depsgraph_get())
@@ -39,8 +39,8 @@ def refresh(context):
 
 
 class UNRENDER_OT_check(bpy.types.Operator):
-    """Look for what would spoil a recovery, and draw the model's edges over the photograph: green where it
-    has them too, red where it has them elsewhere and yellow there, blue where it shows none"""
+    """Look for problems that would spoil a recovery, and draw the model's edges over the photograph: green
+    where it has them too; red where it has them elsewhere, which is yellow; blue where it shows none"""
 
     bl_idname = "unrender.check"
     bl_label = "Check"
@@ -80,11 +80,11 @@ def show(ended, picture, doubts):
         item.pixels = pixels[item.name]
     told = [*doubts, *(w for of_photo in (document, *further) for w in of_photo.get("warnings", []))]
     if further:
-        # Of several the last: that of step 1, if one is there.
+        # Of several the last: that of step 1, if there is one.
         stem, kind = os.path.splitext(picture)
         picture = f"{stem}_{1 + len(further)}{kind}"
     settings.messages = "\n".join(dict.fromkeys(told))
-    settings.message = f"Check: {len(told)} things to look at" if told else "Check: nothing to mend"
+    settings.message = f"Check: {len(told)} warnings" if told else "Check: nothing to mend"
     image = pictures.load(picture, CHECK)
     camera = scene.camera or settings.shots[-1].camera
     pictures.behind(camera.data, image, "FRONT", 0.8)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel shows and asks for, kept with the scene in the file."""
+"""The properties that the panel shows, which are saved with the scene in the file."""
 
 import bpy
 from bpy.props import (
@@ -17,20 +17,20 @@ UNKNOWN = -1.0
 
 
 class UnrenderPair(bpy.types.PropertyGroup):
-    """A point of the scene and where the photograph shows it."""
+    """A point of the scene and its place in the photograph."""
 
     point: FloatVectorProperty(name="Point", size=3, subtype="XYZ", unit="LENGTH")
     pixel: FloatVectorProperty(name="Pixel", size=2, description="From the photograph's top left corner")
     error: FloatProperty(name="Error", default=UNKNOWN, description="Distance in the photograph, pixels")
-    rejected: BoolProperty(name="Wrong", description="The camera was found without this pair")
+    rejected: BoolProperty(name="Wrong", description="This pair was not used to find the camera")
 
 
 class UnrenderGroup(bpy.types.PropertyGroup):
-    """A material of the scene: what has it, reflects alike."""
+    """A material of the scene: all surfaces that have it reflect in the same way."""
 
     material: PointerProperty(type=bpy.types.Material)
     known: BoolProperty(name="Known", description="Keep this material as it is in Blender")
-    ignored: BoolProperty(name="Ignore", description="Leave out what has this material")
+    ignored: BoolProperty(name="Ignore", description="Leave out surfaces with this material")
     emits: BoolProperty(name="Emits")
     pixels: IntProperty(name="Pixels", description="Pixels of the photograph that show it")
 
@@ -46,7 +46,7 @@ class UnrenderShot(bpy.types.PropertyGroup):
 
 
 class UnrenderResult(bpy.types.PropertyGroup):
-    """What came out for a material."""
+    """The result for a material."""
 
     material: PointerProperty(type=bpy.types.Material)
     made: PointerProperty(type=bpy.types.Material)
@@ -66,7 +66,7 @@ class UnrenderSettings(bpy.types.PropertyGroup):
     folder: StringProperty(
         name="Folder",
         subtype="DIR_PATH",
-        description="Where project and results are written; by default beside the .blend file",
+        description="The folder of project and results; by default beside the .blend file",
     )
     pairs: CollectionProperty(type=UnrenderPair)
     pair: IntProperty(name="Pair")
@@ -92,7 +92,7 @@ class UnrenderSettings(bpy.types.PropertyGroup):
         name="Exposure", default=1.0, min=1e-9, description="Scene radiance of a linear pixel value of one"
     )
     is_anchored: BoolProperty(
-        name="Unknown exposure", description="One known material fixes it, the anchor"
+        name="Unknown exposure", description="A known material, the anchor, determines it"
     )
     anchor: StringProperty(name="Anchor", description="A diffuse material whose colour is known")
     max_rung: EnumProperty(
@@ -100,18 +100,18 @@ class UnrenderSettings(bpy.types.PropertyGroup):
         items=[
             ("all", "All", "All hypotheses"),
             ("isotropic", "Gloss", "No anisotropy and no textures"),
-            ("diffuse", "Diffuse", "Diffuse reflectance alone"),
+            ("diffuse", "Diffuse", "Diffuse reflectance only"),
         ],
         default="all",
     )
-    spp: IntProperty(name="Samples", default=64, min=1, description="Of the pictures that are rendered")
+    spp: IntProperty(name="Samples", default=64, min=1, description="Samples per pixel of the pictures")
     running: StringProperty(name="Running")
     progress: FloatProperty(name="Progress", min=0.0, max=1.0, subtype="FACTOR")
     message: StringProperty(name="Message")
     results: CollectionProperty(type=UnrenderResult)
     result: IntProperty(name="Result")
     is_applied: BoolProperty(name="Applied")
-    grain: BoolProperty(name="Grain", description="Give what is put in the photograph's noise")
+    grain: BoolProperty(name="Grain", description="Add the photograph's noise to inserted objects")
 
 
 CLASSES = (UnrenderPair, UnrenderGroup, UnrenderShot, UnrenderResult, UnrenderSettings)
@@ -119,7 +119,8 @@ CLASSES = (UnrenderPair, UnrenderGroup, UnrenderShot, UnrenderResult, UnrenderSe
 
 @bpy.app.handlers.persistent
 def forget_work(*_):
-    """Work does not go on in another file, and a file that was saved meanwhile remembers it."""
+    """Clears running work when a file is loaded: it does not continue there, but a file that was
+    saved meanwhile still shows it."""
     for scene in bpy.data.scenes:
         scene.unrender.running = ""
 

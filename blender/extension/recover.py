@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 3, recover: in the background, with progress and an end before the end."""
+"""Step 3, recover: in the background, with progress and a way to cancel."""
 
 import os
 
@@ -83,7 +83,7 @@ def show(ended, doubts):
         item.note, item.numbers = entry.get("note") or "", "\n".join(numbers(entry))
     settings.messages = "\n".join(dict.fromkeys([*doubts, *ended.doubts, *recovery.warnings]))
     settings.message = recovery.termination
-    # Of several the last: that of step 1, if one is there.
+    # Of several the last: that of step 1, if there is one.
     count = recovery.photographs
     name = "rerendered.png" if count < 2 else f"rerendered_{count}.png"
     picture = recovery.folder / name if recovery.folder else None
@@ -109,7 +109,7 @@ def numbers(entry):
 
 
 def is_free(entry, name):
-    """Whether a parameter means something for this group."""
+    """Whether a parameter has a meaning for this group."""
     if max(entry.get("rho_s") or [0.0]) == 0.0:
         return False
     is_rough = entry.get("alpha_x", 0.0) > 0.0
@@ -118,7 +118,7 @@ def is_free(entry, name):
 
 
 def texts(values):
-    """Numbers with three digits that count."""
+    """Numbers with three significant digits."""
     return " ".join(f"{v:.3g}" for v in (values if isinstance(values, list) else [values]))
 
 
@@ -127,7 +127,7 @@ CLASSES = (UNRENDER_OT_recover, UNRENDER_OT_cancel)
 
 def register():
     bpy.types.Material.unrender_original = bpy.props.PointerProperty(
-        type=bpy.types.Material, name="Made from", description="The material that this one stands beside"
+        type=bpy.types.Material, name="Made from", description="The material from which this one was made"
     )
     for made in CLASSES:
         bpy.utils.register_class(made)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading node trees: what a material of Blender is in the parameters of unrender.
+"""Reads node trees: a material of Blender in the parameters of unrender.
 
-The tree behind the output is a sum of diffuse, glossy and emitting closures with constant weights, or it
-is taken as near to one as it comes, with a doubt. Roughness r is alpha = r^2, an anisotropy a is
+The tree behind the output is a sum of diffuse, glossy and emitting closures with constant weights; any
+other is approximated by such a sum, with a warning. Roughness r is alpha = r^2, an anisotropy a is
 alpha_x = alpha (1 - a), alpha_y = alpha / (1 - a). [Blender manual, Principled BSDF and Glossy BSDF]
 """
 
@@ -14,11 +14,11 @@ import numpy as np
 import unrender
 
 PARAMETERS = "unrender_parameters"
-"""The property of materials that were made of recovered parameters, which they keep as JSON."""
+"""The property of materials that were made from recovered parameters, which are in it as JSON."""
 
 DIELECTRIC = 0.08
-"""Reflectance of a dielectric at normal incidence for a *Specular IOR Level* of one; a level of 0.5 is
-glass's 0.04. [Blender manual, Principled BSDF]"""
+"""Reflectance of a dielectric at normal incidence for a *Specular IOR Level* of one; a level of 0.5
+gives 0.04, as glass. [Blender manual, Principled BSDF]"""
 
 
 @dataclass
@@ -44,7 +44,7 @@ class Sum:
 
 
 def group_of(material, doubts):
-    """The group of a material, as far as its nodes tell."""
+    """The group of a material, from its nodes."""
     if material is None:
         return unrender.Group()
     kept = material.get(PARAMETERS)
@@ -71,28 +71,28 @@ def closure(node, name, doubts):
     reader = READERS.get(node.type)
     if reader is not None:
         return reader(node, name, doubts)
-    doubts.append(f'material "{name}": the node "{node.name}" is not understood and taken as grey')
+    doubts.append(f'material "{name}": the node "{node.name}" cannot be converted and is taken as grey')
     return Sum(rho_d=np.full(3, 0.5))
 
 
 def constant(node, socket, name, doubts):
-    """The value of an input; what is linked is replaced by the input's own value, with a doubt."""
+    """The value of an input; a link is replaced by the input's own value, with a warning."""
     found = node.inputs[socket]
     value = found.default_value
     if found.is_linked:
         source = found.links[0].from_node
         if source.type == "TEX_IMAGE" and source.image is not None:
             value = mean_colour(source.image)
-            doubts.append(f'material "{name}": of the texture on {socket} the mean colour is taken')
+            doubts.append(f'material "{name}": the mean colour of the texture on {socket} is taken')
         elif source.type == "RGB":
             value = source.outputs[0].default_value
         else:
-            doubts.append(f'material "{name}": what is linked to {socket} was not looked at')
+            doubts.append(f'material "{name}": the link to {socket} was not read')
     return np.array(value[:3]) if hasattr(value, "__len__") else float(value)
 
 
 def mean_colour(image):
-    """The mean of a picture, linear; Blender hands out the values of integer files as they are coded."""
+    """The mean of a picture, linear; Blender gives the values of integer files as they are coded."""
     width, height = image.size
     if width * height == 0:
         return (0.5, 0.5, 0.5)
@@ -172,10 +172,10 @@ READERS = {
 
 
 def known(group):
-    """What of a group a project calls known."""
+    """The ``known`` table of a group in a project."""
     made = {"rho_d": list(group.rho_d), "rho_s": list(group.rho_s)}
     if max(group.rho_s) > 0.0:
-        # A rough mirror of alpha 0 is a mirror, and a lobe below a thousandth is none, either.
+        # With alpha 0 in both directions this is a mirror.
         made.update(alpha_x=group.alpha_x, alpha_y=group.alpha_y, theta_deg=group.theta_deg)
     return made
 
@@ -186,5 +186,5 @@ def brightness(emission):
 
 
 def degrees_as_turns(degrees):
-    """Angles as Glossy BSDF has them: whole turns."""
+    """Angles in the unit of Glossy BSDF: whole turns."""
     return math.remainder(degrees, 360.0) / 360.0 % 1.0

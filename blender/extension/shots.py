@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several photographs: those that are kept beside the one of step 1, each with its camera."""
+"""Several photographs: the kept ones beside that of step 1, each with its camera."""
 
 import bpy
 
@@ -24,7 +24,7 @@ class UNRENDER_OT_keep_photo(bpy.types.Operator):
 
 
 class UNRENDER_OT_use_photo(bpy.types.Operator):
-    """Go on with this photograph and its camera, and keep the present one"""
+    """Continue with this photograph and its camera, and keep the present one"""
 
     bl_idname = "unrender.use_photo"
     bl_label = "Work on this one"
@@ -44,7 +44,7 @@ class UNRENDER_OT_use_photo(bpy.types.Operator):
         settings.shots.remove(index)
         if settings.photo and scene.camera is not None:
             keep(scene)
-            # It stands where the other one stood: the first photograph stays the first or becomes it.
+            # It takes the place of the other one: so a first photograph stays the first.
             settings.shots.move(len(settings.shots) - 1, index)
         settings.photo, settings.size, settings.response, scene.camera = taken
         if image is None:
@@ -72,7 +72,7 @@ class UNRENDER_OT_forget_photo(bpy.types.Operator):
 
 
 def keep(scene):
-    """Puts the photograph of step 1 to those that are kept."""
+    """Adds the photograph of step 1 to the kept ones."""
     settings = scene.unrender
     shot = settings.shots.add()
     shot.name = bpy.path.basename(settings.photo)
@@ -80,7 +80,7 @@ def keep(scene):
     shot.camera = scene.camera
     image = bpy.data.images.get(pictures.PHOTO)
     if image is not None:
-        # Behind its camera it stays, and the next one is another image.
+        # It stays behind its camera, and the next one becomes a new image.
         image.name, shot.image = f"unrender {shot.name}", image
     settings.photo, settings.focal = "", ""
     settings.pairs.clear()

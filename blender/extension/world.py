@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The world: light from all around, as one radiance or as a panorama that Cycles makes of its nodes."""
+"""The world: light from all around, as one radiance or as a panorama that Cycles renders from its
+nodes."""
 
 import math
 
 import bpy
 
 PANORAMA_HEIGHT = 512
-"""Rows of the panorama: 0.35 degrees a row. With half of it the sun of a sky texture is too wide, with
-double it takes four times as long and tells a recovery nothing more."""
+"""Rows of the panorama: 0.35 degrees per row. With half of it the sun of a sky texture is too wide,
+double takes four times as long and does not improve a recovery."""
 
 
 def environment(world, path):
-    """The world for a project: a radiance by channel, or the path of a panorama, or neither.
+    """The world for a project: a radiance per channel, or the path of a panorama, or neither.
 
     Returns:
         ``{"color": ...}``, ``{"panorama": path}`` or None.
@@ -39,7 +40,7 @@ def color_of(color):
 
 
 def bake(world, path):
-    """Renders the world, and nothing else, into the panorama ``path`` (.exr)."""
+    """Renders only the world, into the panorama ``path`` (.exr)."""
     scene = bpy.data.scenes.new("unrender, world")
     camera = bpy.data.cameras.new("unrender, world")
     thing = bpy.data.objects.new("unrender, world", camera)

@@ -10,13 +10,13 @@ import tempfile
 import pytest
 
 HERE = pathlib.Path(__file__).resolve().parent
-# Blender reads it when it starts, which is the import.
+# Blender reads it when it starts, at the import.
 PROFILE = tempfile.TemporaryDirectory(prefix="unrender-profile-")
 os.environ["BLENDER_USER_RESOURCES"] = PROFILE.name
 
 import bpy  # noqa: E402
 
-import addon_utils  # noqa: E402  isort: skip  (bpy puts it onto the path)
+import addon_utils  # noqa: E402  isort: skip  (bpy adds it to the path)
 
 sys.path[:0] = [str(HERE), str(HERE.parent)]
 
@@ -53,13 +53,13 @@ def extension(archive):
 
 
 def pytest_sessionfinish(session, exitstatus):
-    """What :func:`pytest_unconfigure` ends with."""
+    """The exit code of :func:`pytest_unconfigure`."""
     session.config.ended_with = int(exitstatus)
 
 
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure(config):
-    """Ends at once: Blender 4.2 as a module crashes when Python takes it down, after the tests."""
+    """Ends at once: Blender 4.2 as a module crashes when Python unloads it after the tests."""
     PROFILE.cleanup()
     sys.stdout.flush()
     sys.stderr.flush()

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel as a picture, where there is no window: what its ``draw`` lays out, item by item, as SVG.
+"""The panel as a picture without a window: the layout of its ``draw``, item by item, as SVG.
 
-It is no screenshot: Blender as a module opens no window. Texts, values, ticks, red rows, lists and the bar are
-those that Blender would show; icons are left out, and widths are a guess.
+It is not a screenshot: Blender as a module opens no window. Texts, values, ticks, red rows, lists and the bar
+are those that Blender would show; icons are left out, and widths are a guess.
 """
 
 import html
@@ -11,13 +11,14 @@ import pathlib
 import bpy
 
 WIDTH, LINE, GAP, PAD = 270, 20, 4, 8
-"""Pixels: of a panel, the height of an item, between items, at the edges; about those of Blender."""
+"""Pixels: the width of a panel, the height of an item, the distance of items, the margin; about
+those of Blender."""
 
 TEXT, FIELD, BUTTON, BACK, HEAD, BAR, RED = "#e6e6e6", "#1d1d1d", "#545454", "#303030", "#3d3d3d", "#4772b3", "#a83232"
 
 
 class Layout:
-    """Takes what a panel draws, as Blender's ``UILayout`` does."""
+    """Records what a panel draws, in place of Blender's ``UILayout``."""
 
     def __init__(self, kind="column", parent=None):
         self.kind, self.items, self.alert = kind, [], False
@@ -53,7 +54,8 @@ class Layout:
         elif rna.type == "FLOAT":
             self.items.append(("field", title, f"{value:.3g}"))
         else:
-            # As Blender shows a folder beside the open file: the picture is the same on every machine.
+            # In the form of a folder beside the open file, so that the picture is the same on every
+            # machine.
             shown = "//" + pathlib.Path(value).name if rna.subtype == "DIR_PATH" else str(value)
             self.items.append(("field" if emboss else "label", *([title] if emboss else []), shown))
 
@@ -70,7 +72,7 @@ class Layout:
 
 
 def flat(item):
-    """Rows of one column are that column."""
+    """Replaces rows of one column by that column."""
     while isinstance(item, Layout) and item.kind == "row" and len(item.items) == 1:
         item.items[0].alert = item.alert if isinstance(item.items[0], Layout) else False
         if not isinstance(item.items[0], Layout):
@@ -97,7 +99,7 @@ class Drawing:
         )
 
     def item(self, item, x, y, w):
-        """Draws an item; how high it is."""
+        """Draws an item; returns its height."""
         item = flat(item)
         if isinstance(item, Layout):
             return getattr(self, item.kind)(item, x, y, w)
@@ -171,14 +173,14 @@ class Drawing:
 
 
 def captured(panel):
-    """What the panel lays out now: its title, and its items."""
+    """The present layout of the panel: its title, and its items."""
     layout = Layout()
     panel.draw(type("Panel", (), {"layout": layout})(), bpy.context)
     return panel.bl_label, layout
 
 
 def svg(columns):
-    """Columns of panels as :func:`captured` has them, side by side."""
+    """Columns of panels from :func:`captured`, side by side."""
     drawing, x, bottom = Drawing(), 0, 0
     for panels in columns:
         y = 0

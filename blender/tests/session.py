@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A session in Blender by script, from an empty file to a composite, and the pictures of the tutorial.
+"""A scripted session in Blender, from an empty file to a composite, and the pictures of the tutorial.
 
     UNRENDER_WHEEL=FILE.whl python blender/tests/session.py docs/images/from-blender.jpg
 
 makes docs/tutorials/from-blender.md's picture: photograph, check, Cycles with the applied materials,
 composite; and beside it from-blender-panel.svg, the panel after each step, and from-blender-growing.jpg, the
-re-rendering as it stood during the recovery and at its end. It prints what the panel shows.
+re-rendering during the recovery and at its end. It prints the contents of the panel.
 """
 
 import importlib
@@ -30,7 +30,7 @@ def install():
 
 
 def photograph(folder):
-    """The scene, grey, without a camera; its photograph; points and where it shows them."""
+    """The scene, grey, without a camera; its photograph; points and their places in it."""
     scene = studio.build()
     studio.colour()
     studio.render(scene, folder / "photo.exr", 64)
@@ -42,12 +42,13 @@ def photograph(folder):
 
 
 def panel(step):
-    """What the panel of a step shows now."""
+    """The present contents of the panel of a step."""
     return drawn.captured(getattr(bpy.types, f"UNRENDER_PT_{step}"))
 
 
 def recovered(settings, looks):
-    """Step 3; what its panel showed halfway. Pictures of the re-rendering as it stood go into ``looks``."""
+    """Step 3; returns the contents of its panel halfway. Pictures of the re-rendering on the way are added
+    to ``looks``."""
     import unrender
 
     job, pictures = (importlib.import_module(f"bl_ext.user_default.unrender.{name}") for name in ("job", "pictures"))
@@ -138,7 +139,7 @@ def main():
         first = looks[: 1 if len(looks) < 4 else 3]
         write(pathlib.Path(name), [*first, looks[-1]], out.with_name(out.stem + "-growing.jpg"))
     sys.stdout.flush()
-    # Blender as a module may never come to an end of taking itself down.
+    # Blender as a module may hang when it is unloaded.
     os._exit(0)
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A small scene in Blender, its true materials, its photograph by Cycles; pictures compared."""
+"""A small scene in Blender, its true materials, its photograph by Cycles, and comparisons of
+pictures."""
 
 import math
 
@@ -18,7 +19,7 @@ TRUTH = {
 
 
 def material(name):
-    """A material as a modeller leaves it: grey."""
+    """A grey material, the default of a modeller."""
     made = bpy.data.materials.new(name)
     made.use_nodes = True
     shader = made.node_tree.nodes["Principled BSDF"]
@@ -36,14 +37,14 @@ def add(name, stuff, make, **where):
 
 
 def build():
-    """The scene, all of it grey: a modifier, an instanced collection, an area light and a bulb."""
-    # Extensions stay enabled, as they do not with read_factory_settings.
+    """The scene, entirely grey: a modifier, an instanced collection, an area light and a bulb."""
+    # Extensions stay enabled, unlike with read_factory_settings.
     bpy.ops.wm.read_homefile(use_empty=True)
     plane, cube = bpy.ops.mesh.primitive_plane_add, bpy.ops.mesh.primitive_cube_add
     stuff = {name: material(name) for name in TRUTH}
     add("floor", stuff["floor"], plane, size=2.4)
     add("wall", stuff["wall"], plane, size=2.4, location=(0, 0.6, 0.8), rotation=(math.radians(90), 0, 0))
-    # A row of two boxes by a modifier, below an object that is scaled.
+    # A row of two boxes by a modifier, with a scaled object as parent.
     parent = bpy.data.objects.new("parent", None)
     bpy.context.scene.collection.objects.link(parent)
     parent.scale = (0.5, 0.5, 0.5)
@@ -92,7 +93,7 @@ def lamps():
 
 
 def settle(scene):
-    """Cycles without anything that is no light transport."""
+    """Cycles with light transport only."""
     scene.render.engine = "CYCLES"
     scene.render.resolution_percentage = 100
     scene.view_settings.view_transform = "Standard"
@@ -127,7 +128,7 @@ def colour():
 
 
 def bleach():
-    """Makes all grey again."""
+    """Makes all materials grey again."""
     for name in TRUTH:
         tree = bpy.data.materials[name].node_tree
         tree.links.new(tree.nodes["Principled BSDF"].outputs[0], tree.nodes["Material Output"].inputs["Surface"])
@@ -159,7 +160,8 @@ def corners(scene):
 
 
 def project(scene, point):
-    """Where the scene's camera shows a point: pixels from the top left corner, by Blender itself."""
+    """The place of a point in the scene's camera: pixels from the top left corner, by Blender
+    itself."""
     from bpy_extras.object_utils import world_to_camera_view
 
     x, y, _ = world_to_camera_view(scene, scene.camera, point)

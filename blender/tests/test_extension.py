@@ -12,7 +12,7 @@ from mathutils import Vector
 
 MODULE = "bl_ext.user_default.unrender"
 SAMPLES = 48
-"""Of the photograph: group means are then within half a percent."""
+"""Samples of the photograph: with these, group means are within half a percent."""
 
 
 def module(name):
@@ -22,7 +22,7 @@ def module(name):
 
 @pytest.fixture(scope="module")
 def desk(extension, tmp_path_factory):
-    """The scene with its photograph, all materials grey, and a camera that knows nothing."""
+    """The scene with its photograph, all materials grey, and no camera."""
     folder = tmp_path_factory.mktemp("desk")
     scene = studio.build()
     studio.colour()
@@ -202,7 +202,7 @@ def test_3_recover(desk, monkeypatch):
     assert "±" in by_name["ball"].numbers
     assert settings.progress == 1.0
     assert bpy.data.images["unrender re-rendering"].size[0] == studio.SIZE[0]
-    # The re-rendering as it stood, and at the end as it is.
+    # The re-renderings on the way, and the final one.
     assert {("preview.png", "unrender re-rendering", studio.SIZE)} == set(shown[:-1])
     assert shown[-1][:2] == ("rerendered.png", "unrender re-rendering")
     import unrender
@@ -224,7 +224,7 @@ def test_4_apply_and_back(desk):
     after = {o.name: [s.material for s in o.material_slots] for o in bpy.data.objects}
     assert before == after
     assert bpy.data.materials["ball (recovered)"].use_fake_user
-    # Again and again, and nothing doubles.
+    # Repeated, it makes no duplicates.
     bpy.ops.unrender.apply()
     bpy.ops.unrender.apply()
     bpy.ops.unrender.list_groups()
@@ -245,20 +245,20 @@ def same_picture(desk):
     means = compared(desk, theirs, ours)
     print({name: f"{100 * off:.2f} %" for name, off in means.items()})
     assert max(means.values()) < 0.03, means
-    # And the photograph, which both of them are like.
+    # The photograph agrees with both of them.
     means = compared(desk, unrender.read_picture(folder / "photo.exr"), ours)
     print({name: f"{100 * off:.2f} %" for name, off in means.items()})
 
 
 def compared(desk, theirs, ours):
-    """The difference of the mean radiance of every group, relative, of the channel that is worst."""
+    """The relative difference of the mean radiance of every group, in the worst channel."""
     names, groups = group_map(desk)
     left, right = (studio.group_means(np.asarray(p), groups) for p in (theirs, ours))
     return {names[k]: float(np.max(np.abs(left[k] / right[k] - 1.0))) for k in left}
 
 
 def group_map(desk):
-    """Which group a pixel shows: the picture of the scene with a colour of its own for each."""
+    """The group that a pixel shows: a picture of the scene with a different colour for each."""
     import unrender
 
     work = desk["folder"] / "work"
@@ -281,7 +281,7 @@ BRUSHED = {"rho_d": [0.05] * 3, "rho_s": [0.6] * 3, "alpha_x": 0.08, "alpha_y": 
 
 
 def blocks(picture, groups, number, size=6):
-    """The means of a group's pixels in squares of the picture, those that have enough of them."""
+    """The means of a group's pixels in those squares of the picture that have enough of them."""
     inside = groups == number
     rows, columns = (length // size for length in inside.shape)
     cut = (slice(0, rows * size), slice(0, columns * size))
@@ -358,7 +358,7 @@ def test_5_composite(desk):
     x, y = (int(v) for v in studio.project(scene, Vector((0.55, -0.1, 0.1))))
     assert changed[y - 2 : y + 3, x - 2 : x + 3].all()
     assert "unrender composite" in bpy.data.images
-    # It is no part of the model.
+    # It is not part of the model.
     model = module("model")
     shapes, materials, *_ = model.scene_of(bpy.context)
     assert "new" not in materials
@@ -383,7 +383,7 @@ def test_6_several_photographs_give_one_set_of_materials(desk):
     scene.camera = first
     assert bpy.ops.unrender.keep_photo() == {"FINISHED"}
     assert (settings.photo, len(settings.shots), len(settings.pairs), scene.camera) == ("", 1, 0, None)
-    # What is kept can be looked at without another one.
+    # Kept photographs can be checked without another one.
     assert bpy.ops.unrender.check(wait=True) == {"FINISHED"}, settings.message
     scene.camera = aside
     assert bpy.ops.unrender.load_photo(filepath=str(folder / "aside.exr")) == {"FINISHED"}
@@ -415,7 +415,7 @@ def test_work_does_not_end_in_another_file(desk):
     job, settings = module("job"), desk["scene"].unrender
     ended = []
     started = job.start("Check", desk["scene"], lambda progress, token: None, ended.append)
-    # As loading another file has it.
+    # As when another file is loaded.
     module("properties").forget_work()
     started.wait()
     assert not ended and not job.is_running() and settings.running == ""
@@ -425,7 +425,7 @@ def test_the_panel_draws_in_every_state(desk):
     panel = module("panel")
 
     class Layout:
-        """Takes whatever a panel draws; keeps its texts."""
+        """Accepts everything that a panel draws, and keeps the texts."""
 
         texts = []
 

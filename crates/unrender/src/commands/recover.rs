@@ -21,7 +21,9 @@ use unrender_scene::Hypothesis;
 #[derive(Debug, clap::Args)]
 #[command(
     after_help = "Example:\n  unrender recover room/project.toml --out room/result\n\nCtrl-C \
-    ends with the best state so far, its report marked as interrupted; a second one ends at once. After either, and after a crash, the same command with --resume continues from the last iteration."
+    ends with the best state so far, its report marked as interrupted; a second one ends at once. \
+    After either, and after a crash, the same command with --resume continues from the last \
+    iteration."
 )]
 pub struct Args {
     /// The project file.

@@ -1,5 +1,5 @@
 "use strict";
-// What the page does beyond being read: the divider, the flicker, and the group map. Without it all
+// The interactive parts of the page: the divider, the flicker, and the group map. Without it all
 // pictures, numbers and words are still there.
 
 for (const figure of document.querySelectorAll(".compare")) {
@@ -73,7 +73,7 @@ function setUpMap(figure, number) {
     canvas.putImageData(shade, 0, 0);
     tell(row);
   };
-  // Copies of the table's cells: the numbers are said once.
+  // Copies of the table's cells, so that each number is in the page once.
   const tell = (row) => {
     const name = document.createElement("strong");
     name.textContent = row.dataset.group;
@@ -87,7 +87,7 @@ function setUpMap(figure, number) {
     readout.replaceChildren(...parts);
   };
 
-  // Scrolling moves the page under a resting pointer; that chooses nothing.
+  // Scrolling moves the page under a resting pointer; that must not choose a group.
   const moved = (act) => (event) => {
     if (event.movementX || event.movementY) act(event);
   };

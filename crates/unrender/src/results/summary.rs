@@ -58,7 +58,8 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
         let others: Vec<&str> = others.into_iter().filter(|other| *other > name).collect();
         if !others.is_empty() {
             text.push_str(&format!(
-                "{name}: agrees with {} within the standard deviations; if they are one material, state it by same_as\n",
+                "{name}: agrees with {} within the standard deviations; if they are one \
+                 material, state it by same_as\n",
                 others.join(", ")
             ));
         }

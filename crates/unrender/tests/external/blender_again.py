@@ -1,4 +1,4 @@
-"""Photographs of the room of examples/blender/room.py after it came back into Blender.
+"""Photographs the room of examples/blender/room.py after its import back into Blender.
 
 python3 blender_again.py ROOM.PY SOURCE OUT SPP WIDTH; SOURCE is scene.py of an export, or a glTF file.
 """

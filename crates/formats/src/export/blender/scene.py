@@ -1,12 +1,12 @@
-"""Adds the scene of scene.json to the open file, as a scene of its own, and renders or saves it.
+"""Adds the scene of scene.json to the open file, as a separate scene, and renders or saves it.
 
     blender --background --python scene.py -- picture.exr
     python scene.py picture.exr                  (with the package bpy)
 
-PICTURE.exr is rendered by Cycles, SCENE.blend is saved; --spp N sets the samples of a pixel. In an open
-file, run it from the text editor. What is there already stays as it is: where a name is taken, Blender
-puts a number behind ours, and the property "unrender_name" keeps it. An object whose name is taken by an
-object with a parent gets that parent, and stays where it is.
+PICTURE.exr is rendered by Cycles, SCENE.blend is saved; --spp N sets the samples per pixel. In an open
+file, run it from the text editor. Existing data stays unchanged: if a name is taken, Blender adds a
+number to ours, and the property "unrender_name" keeps it. An object whose name is taken by an object
+with a parent gets that parent, and keeps its place.
 """
 
 import json
@@ -28,7 +28,7 @@ def folder():
 
 
 HERE = folder()
-# Blender's z points up, ours is its y.
+# In Blender z points up, in unrender y.
 Z_UP = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 
 
@@ -50,7 +50,7 @@ def read_ply(path):
 
 
 def named(thing, item):
-    """Blender may have to put a number behind a name; the name itself is kept, too."""
+    """Keeps the name of an item, as Blender may have to add a number to it."""
     thing["unrender_name"] = item["name"]
     return thing
 
@@ -91,7 +91,7 @@ def picture_node(nodes, texture):
 
 
 def shiny(nodes, links, group):
-    """The specular part: microfacets, their reflectance the same at all angles."""
+    """The specular part: microfacets with the same reflectance at all angles."""
     node = nodes.new("ShaderNodeBsdfAnisotropic")
     node.distribution = group["microfacets"]
     node.inputs["Color"].default_value = (*group["rho_s"], 1)
@@ -147,7 +147,7 @@ def add_material(group):
 
 
 def fall_off(light, axis, cos_inner, cos_outer):
-    """The square of a line in the cosine, as glTF has it; Blender's own is another."""
+    """A fall-off by the square of a line in the cosine, as in glTF; Blender's own differs."""
     light.use_nodes = True
     nodes, links = light.node_tree.nodes, light.node_tree.links
     cosine = nodes.new("ShaderNodeVectorMath")
@@ -171,7 +171,7 @@ def add_light(scene, item):
     light = bpy.data.lights.new(item["name"], kind)
     strength = max(item["strength"])
     light.color = [c / max(strength, 1e-30) for c in item["strength"]]
-    # Watts into all directions, for watts a steradian; of suns watts a square metre.
+    # Watts into all directions, from watts per steradian; for suns watts per square metre.
     light.energy = strength if kind == "SUN" else 4 * math.pi * strength
     thing = named(bpy.data.objects.new(item["name"], light), item)
     scene.collection.objects.link(thing)
@@ -192,7 +192,7 @@ def add_camera(scene, item):
     camera = bpy.data.cameras.new(item["name"])
     camera.sensor_fit = "VERTICAL"
     camera.angle_y = item["fov_y"]
-    # An axis right of the middle has the frame moved to the left, in heights of it.
+    # If the axis is right of the middle, the frame is shifted to the left, in heights of it.
     camera.shift_x, camera.shift_y = -item["principal_point"][0], item["principal_point"][1]
     camera.clip_start, camera.clip_end = 0.001, 1e5
     thing = named(bpy.data.objects.new(item["name"], camera), item)
@@ -230,7 +230,7 @@ def build():
 
 
 def arguments():
-    """Blender has words of its own in front of "--"; the package bpy has none."""
+    """The arguments: in Blender those after "--", with the package bpy all of them."""
     if "--" in sys.argv:
         return sys.argv[sys.argv.index("--") + 1:]
     return [] if bpy.app.binary_path else sys.argv[1:]

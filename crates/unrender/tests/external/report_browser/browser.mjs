@@ -1,4 +1,4 @@
-// Finds a browser and opens it: one that is installed, or else the one that npm has brought.
+// Finds a browser and opens it: an installed one, or else the one from npm.
 import { existsSync } from "node:fs";
 import { delimiter, join } from "node:path";
 import puppeteer from "puppeteer-core";

@@ -1,4 +1,4 @@
-// What the pages must do in a browser: node check.mjs FOLDER, as main.rs has filled it.
+// Checks the pages in a browser: node check.mjs FOLDER, which browser.rs has filled.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
@@ -17,7 +17,7 @@ try {
   process.exit(NO_BROWSER);
 }
 
-/** Opens a page; `told` gathers what went wrong and what was asked of the network. */
+/** Opens a page; `told` collects errors and requests to the network. */
 async function visit(path, { width = 1280, scheme = "light" } = {}) {
   const tab = await browser.newPage();
   const url = pathToFileURL(join(folder, path)).href;
@@ -41,13 +41,13 @@ async function visit(path, { width = 1280, scheme = "light" } = {}) {
   return { tab, told };
 }
 
-/** Waits until the map tells of the group `name`, and checks that its row and no other is lit. */
+/** Waits until the map shows the group `name`, and checks that only its row is lit. */
 async function tells(tab, name) {
   const said = () => tab.$eval(".readout", (readout) => readout.textContent);
   await tab
     .waitForFunction(
       (n) => document.querySelector(".readout strong")?.textContent === n, { timeout: 20_000 }, name)
-    .catch(async () => assert.fail(`the map tells ${await said()} instead of ${name}`));
+    .catch(async () => assert.fail(`the map shows ${await said()} instead of ${name}`));
   assert.deepEqual(await tab.$$eval("tr.lit", (rows) => rows.map((r) => r.dataset.group)), [name]);
 }
 
@@ -104,7 +104,7 @@ async function namesAreText(tab, run) {
   assert.deepEqual(stray, { scripts: 1, headings: 1, pictures: 0 });
 }
 
-/** Every number is a field of run.json, rounded right, and no digit stands outside of such. */
+/** Every number is a correctly rounded field of run.json, and no digit is outside of these. */
 async function numbersAreTheRuns(tab, run, least = 200) {
   const numbers = await tab.$$eval("main data, header data", (all) =>
     all.filter((d) => !d.closest(".readout"))
@@ -145,7 +145,7 @@ async function numbersAreTheRuns(tab, run, least = 200) {
   }
 }
 
-/** Nothing sticks out of the page, and axe finds nothing to say about its accessibility. */
+/** Nothing extends beyond the page, and axe reports no problem of accessibility. */
 async function readsWell(tab, what) {
   const widths = await tab.evaluate(() => [document.documentElement.scrollWidth, innerWidth]);
   assert.ok(widths[0] <= widths[1], `${what}: ${widths[0]} of ${widths[1]} pixels`);
@@ -167,7 +167,7 @@ for (const name of ["few", "many"]) {
   const failed = await tab.$eval("tr.failed", (row) => row.textContent);
   assert.match(failed, /failed.*assumed.*too few pixels/s);
   assert.deepEqual(told, []);
-  console.log(`${name}: whole, offline, and its numbers are the run's`);
+  console.log(`${name}: complete, offline, and its numbers are the run's`);
 }
 {
   const run = read("real/run.json");
