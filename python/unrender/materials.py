@@ -113,7 +113,7 @@ class Materials(MutableMapping[str, GroupMaterial]):
     def write(self, path: StrPath) -> None:
         """Writes the materials as JSON, with their textures as .exr files beside it."""
         file = Path(path)
-        document = copy.deepcopy(self.document)
+        document = with_triples(self.document)
         for number, name in enumerate(dict.fromkeys((*self, *self.textures))):
             texture = self.texture(name)
             if texture is not None:
@@ -152,14 +152,19 @@ class Parts:
     """Materials in the form of the compiled half."""
 
     def __init__(self, materials: Materials) -> None:
-        document = copy.deepcopy(materials.document)
-        for entry in document["groups"].values():
-            for key in ("rho_d", "rho_s"):
-                if isinstance(entry.get(key), (int, float)):
-                    entry[key] = [entry[key]] * 3
-        self.json = json.dumps(document)
+        self.json = json.dumps(with_triples(materials.document))
         self.folder = os.fspath(materials.folder)
         self.textures = {name: plain(t) for name, t in materials.textures.items()}
+
+
+def with_triples(document: dict[str, Any]) -> dict[str, Any]:
+    """A copy of a document of materials; one number as a reflectance becomes three, a grey."""
+    document = copy.deepcopy(document)
+    for entry in document["groups"].values():
+        for key in ("rho_d", "rho_s"):
+            if isinstance(entry.get(key), (int, float)):
+                entry[key] = [entry[key]] * 3
+    return document
 
 
 def jsonable(value: Any) -> Any:

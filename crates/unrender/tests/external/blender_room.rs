@@ -14,7 +14,10 @@ const SIZE: (usize, usize) = (WIDTH, WIDTH * 3 / 4);
 /// Samples per pixel, of Cycles and of ours.
 const SPP: u32 = 256;
 const LAMPS: [&str; 4] = ["panel", "bulb", "spot", "sun"];
-/// The largest allowed error of a group's mean, and of the mean of the picture by one light alone.
+/// Pixels of a group that is compared. The means of 77 pixels differ by 1.3 % for noise alone; those of so many by 0.8 %.
+const LEAST: usize = 200;
+/// The largest allowed error of a group's mean, relative to its brightest channel, and of the mean of the picture by one
+/// light alone.
 const GROUP: f32 = 0.03;
 const LIGHT: f64 = 0.01;
 
@@ -120,11 +123,11 @@ impl Photographs {
 
     /// Asserts that groups and lights are as bright in `other`.
     fn agree(&self, scene: &Scene, other: &Self, name: &str) {
-        for row in compare(scene, &scene.cameras[0], &self.all, &other.all, 20) {
+        for row in compare(scene, &scene.cameras[0], &self.all, &other.all, LEAST) {
             let group = &scene.groups[row.group].name;
-            let percent = 100.0 * row.difference();
-            println!("{name}, {group}: {} {} {percent:.2} %", row.ours, row.theirs);
-            assert!(row.difference() < GROUP, "{name}: {group} is {percent:.2} % off");
+            let off = (row.theirs - row.ours).abs().max_element() / row.ours.max_element();
+            println!("{name}, {group}: {} {} {:.2} %", row.ours, row.theirs, 100.0 * off);
+            assert!(off < GROUP, "{name}: {group} is {:.2} % off", 100.0 * off);
         }
         for (lamp, (mine, theirs)) in LAMPS.iter().zip(self.alone.iter().zip(&other.alone)) {
             let off = mean(theirs) / mean(mine) - 1.0;
