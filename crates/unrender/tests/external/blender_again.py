@@ -21,7 +21,8 @@ else:
     bpy.ops.import_scene.gltf(filepath=source)
     scene = bpy.context.scene
     scene.camera = next(thing for thing in scene.objects if thing.type == "CAMERA")
-    scene.render.resolution_x, scene.render.resolution_y = int(width), int(width) * 3 // 4
+render = bpy.context.scene.render
+render.resolution_x, render.resolution_y = int(width), int(width) * 3 // 4
 folder = pathlib.Path(out)
 folder.mkdir(parents=True, exist_ok=True)
 made["photographs"](folder, int(spp))
