@@ -298,8 +298,8 @@ fn the_errors_of_jpeg_are_no_motion_and_motion_is_seen_beside_them() {
     let still = merge(false);
     assert!(!still.contains("moved"), "{still}");
     let moved = merge(true);
-    let (_, share) =
-        moved.split_once("something moved between ").unwrap_or_else(|| panic!("{moved}"));
+    let says = "something moved between the photographs of the bracket, in ";
+    let (_, share) = moved.split_once(says).unwrap_or_else(|| panic!("{moved}"));
     let share: f64 = share.split_once(' ').unwrap().0.parse().unwrap();
     // The object covers 4.7 % of the picture; parts of it are as bright as the background, or beside
     // edges.
