@@ -66,10 +66,11 @@
 //! };
 //! let observation = Observation::new(picture, view.geometry(), scene.groups.len());
 //!
-//! // Floor and wall are unknown; the lamp is given. let groups =
-//! scene.groups.iter().map(GroupSpec::of).collect(); let problem = Problem::new(&observation,
-//! &view, groups); // The observer `()` ignores the iterations. let recovery =
-//! unrender::recover::recover(&problem, &Options::default(), &mut ())?;
+//! // Floor and wall are unknown; the lamp is given.
+//! let groups = scene.groups.iter().map(GroupSpec::of).collect();
+//! let problem = Problem::new(&observation, &view, groups);
+//! // The observer `()` ignores the iterations.
+//! let recovery = unrender::recover::recover(&problem, &Options::default(), &mut ())?;
 //!
 //! for group in 0..2 {
 //!     let found = &recovery.groups[group];

@@ -293,7 +293,7 @@ mod tests {
         assert!(parse(&one, "yml", Some(3)).unwrap_err().contains("no view 3; leave out"));
         assert!(parse(CAMERA, "yml", Some(3)).unwrap_err().contains("no poses of views"));
         let wide = format!("{CAMERA}extrinsic_parameters: [[1, 0, 0, 0]]\n");
-        assert!(fault(&wide).contains("of 4 columns"));
+        assert!(fault(&wide).contains("with 4 columns"));
         assert!(parse(&rows, "yml", Some(2)).unwrap_err().contains("no view 2"));
     }
 
