@@ -73,7 +73,7 @@ def build(wheels, out):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--wheel", type=pathlib.Path, action="append", default=[])
+    parser.add_argument("--wheel", type=pathlib.Path, nargs="+", action="extend", default=[])
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "target" / "blender")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
