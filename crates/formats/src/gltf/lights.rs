@@ -76,6 +76,17 @@ fn cycles_cone(inner: f64, outer: f64) -> [f64; 2] {
     [outer.cos() + width, (outer.cos() - 0.5 * width).max(0.0)].map(|cos| cos.min(1.0).acos())
 }
 
+/// The angles `inner` and `outer` as Blender's exporter writes a spot of this cone: [`cycles_cone`] gives the cone back.
+pub(super) fn blenders_cone(inner_rad: f32, outer_rad: f32) -> [f64; 2] {
+    let [inner, outer] = [inner_rad, outer_rad].map(|angle| f64::from(angle).cos());
+    let width = (inner - outer) / 1.5;
+    let cos = inner - width;
+    // A sharp and narrow spot has no width to divide.
+    let blend = if cos < 1.0 { (width / (1.0 - cos)).clamp(0.0, 1.0) } else { 0.0 };
+    let outer = cos.acos();
+    [outer * (1.0 - blend), outer]
+}
+
 fn name_of<'a>(json: &'a LightJson, node_name: Option<&'a str>) -> &'a str {
     node_name.or_else(|| given(json.name.as_ref())).unwrap_or("light")
 }
@@ -215,5 +226,12 @@ mod tests {
         assert!(apart < 0.15, "{apart}");
         // Without blend the edge is sharp.
         assert_eq!(cycles_cone(outer, outer), [outer.cos().acos(); 2]);
+        // Blender gets back what it wrote, also of the softest spot.
+        for blend in [0.0, 0.15, 1.0] {
+            let [inner_rad, outer_rad] =
+                cycles_cone(outer * (1.0 - blend), outer).map(|angle| angle as f32);
+            let [inner, again] = blenders_cone(inner_rad, outer_rad);
+            assert!((again - outer).abs() < 1e-6 && (inner - outer * (1.0 - blend)).abs() < 1e-5);
+        }
     }
 }

@@ -67,7 +67,7 @@ fn read_node(
     }
     if let Some(punctual) = &node.extensions.punctual {
         let json = get(&document.extensions.punctual.lights, punctual.light, "light")?;
-        let written = (source.light_units, units::is_by_blender(&document.asset));
+        let written = (source.light_units, units::has_blenders_cones(&document.asset));
         scene.lights.push(lights::light(json, name, placed, written, warnings)?);
     }
     Ok(())

@@ -11,6 +11,8 @@ use serde_json::{Value, json};
 
 /// The beginning of `generator` in files by Blender's exporter; its version follows.
 const BLENDER: &str = "Khronos glTF Blender I/O v";
+/// What our own files say that wrote them.
+pub(super) const GENERATOR: &str = "unrender";
 /// The first version whose lights are not in watts.
 const FIRST_IN_CANDELA: (u32, u32) = (3, 4);
 const NOTE: &str = "light_units";
@@ -44,9 +46,11 @@ fn noted(asset: &Asset) -> Option<LightUnits> {
     asset.extras[EXTRAS_KEY][NOTE].as_str()?.parse().ok()
 }
 
-/// Whether Blender's exporter wrote the file.
-pub(super) fn is_by_blender(asset: &Asset) -> bool {
-    asset.generator.as_str().is_some_and(|generator| generator.starts_with(BLENDER))
+/// Whether the cones of spots are as Blender's exporter writes them: in its own files, and in ours in its units.
+pub(super) fn has_blenders_cones(asset: &Asset) -> bool {
+    let generator = asset.generator.as_str().unwrap_or_default();
+    let in_its_units = noted(asset).is_some_and(|units| units != LightUnits::Radiometric);
+    generator.starts_with(BLENDER) || generator == GENERATOR && in_its_units
 }
 
 fn by_generator(generator: &str) -> LightUnits {

@@ -49,7 +49,7 @@ pub fn to_glb_as(
 
 fn build(scene: &Scene, shown: &[Material], units: LightUnits) -> Result<Vec<u8>, Problem> {
     let mut glb = Glb::empty();
-    glb.root["asset"] = json!({ "version": "2.0", "generator": "unrender" });
+    glb.root["asset"] = json!({ "version": "2.0", "generator": units::GENERATOR });
     if units != LightUnits::Radiometric {
         units::note(&mut glb.root, units);
     }
@@ -211,10 +211,11 @@ fn light_json(kind: &LightKind, units: LightUnits) -> (Value, Affine3A) {
         }
         LightKind::Spot { position, direction, inner_rad, outer_rad, .. } => {
             let mut json = strong("spot");
-            json["spot"] = json!({
-                "innerConeAngle": number(inner_rad),
-                "outerConeAngle": number(outer_rad),
-            });
+            let [inner, outer] = match units {
+                LightUnits::Radiometric => [inner_rad, outer_rad].map(number),
+                _ => lights::blenders_cone(inner_rad, outer_rad),
+            };
+            json["spot"] = json!({ "innerConeAngle": inner, "outerConeAngle": outer });
             (json, along(direction, position))
         }
     }
