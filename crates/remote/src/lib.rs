@@ -156,9 +156,9 @@ impl<'a> Remote<'a> {
         let answers = self.ask(appearances, seen, tiles.map(request))?;
         let mut all = Jacobian::default();
         for (answer, size) in answers.iter().zip(sizes) {
-            let values = wire::radiances(answer, size * (1 + parameters))?;
-            all.radiance.extend_from_slice(&values[..size]);
-            all.derivatives.extend_from_slice(&values[size..]);
+            let tile = wire::jacobian(answer, size, parameters)?;
+            all.radiance.extend(tile.radiance);
+            all.derivatives.extend(tile.derivatives);
         }
         Some(all)
     }

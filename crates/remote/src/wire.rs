@@ -4,7 +4,9 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
-use unrender_render::{Accumulator, Appearance, Parameter, Probe, ProbeSettings, Probes, Settings};
+use unrender_render::{
+    Accumulator, Appearance, Jacobian, Parameter, Probe, ProbeSettings, Probes, Settings,
+};
 use unrender_scene::{Camera, Material, Rgb, Scene};
 
 /// A request to a worker.
@@ -73,6 +75,13 @@ pub(super) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
 /// Radiances from bytes, if they are `count`.
 pub(super) fn radiances(bytes: &[u8], count: usize) -> Option<Vec<Rgb>> {
     decode(bytes).filter(|values: &Vec<Rgb>| values.len() == count)
+}
+
+/// A Jacobian from bytes, if it is of `count` pixels by so many parameters.
+pub(super) fn jacobian(bytes: &[u8], count: usize, parameters: usize) -> Option<Jacobian> {
+    decode(bytes).filter(|found: &Jacobian| {
+        (found.radiance.len(), found.derivatives.len()) == (count, count * parameters)
+    })
 }
 
 /// Probes from bytes, if all their samples are there.
@@ -146,5 +155,8 @@ mod tests {
         }
         assert!(sums(&[17], 17).is_none() && sums(&[], 0).is_none());
         assert!(radiances(&[1, 0, 0, 0], 1).is_none());
+        let found = Jacobian { radiance: vec![Rgb::ONE; 2], derivatives: vec![Rgb::ZERO; 6] };
+        assert_eq!(jacobian(&encode(&found), 2, 3), Some(found.clone()));
+        assert!(jacobian(&encode(&found), 3, 2).is_none());
     }
 }

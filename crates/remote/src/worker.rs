@@ -72,7 +72,7 @@ impl Worker {
             Request::Jacobian(pixels, parameters, settings) => {
                 self.check(&pixels.iter().map(|(pixel, _)| *pixel).collect::<Vec<u32>>())?;
                 let found = view.jacobian(appearance, &pixels, &parameters, &settings, seen);
-                wire::encode(&[found.radiance, found.derivatives].concat())
+                wire::encode(&found)
             }
             Request::Replay(pixels, [traced, parameters], settings) => {
                 self.check(&pixels)?;
@@ -81,7 +81,7 @@ impl Worker {
                 let trace = || view.paths(drawn, asked.0, asked.1, &settings, seen);
                 let paths = self.kept.paths(drawn, asked, &settings, seen, trace);
                 let found = view.replay(&paths, appearance, &parameters, seen);
-                wire::encode(&[found.radiance, found.derivatives].concat())
+                wire::encode(&found)
             }
             Request::Radiance(pixels, settings) => {
                 self.check(&pixels)?;

@@ -16,6 +16,9 @@ const COVERED: [f64; 2] = [0.15, 0.85];
 
 impl Report {
     /// Warnings of the merged bracket, whose frames are called `names`.
+    ///
+    /// # Panics
+    /// If there are fewer names than frames.
     pub fn doubts(&self, names: &[&str]) -> Warnings {
         let mut warnings = Warnings::default();
         let percent = |share: f64| 100.0 * share;

@@ -66,7 +66,7 @@ pub enum Parameter {
 const CHUNK: usize = 256;
 
 /// Radiance and its derivatives in some pixels.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Jacobian {
     /// The radiance of each pixel, W sr^-1 m^-2 per channel.
     pub radiance: Vec<Rgb>,
