@@ -13,6 +13,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use unrender_scene::BrdfModel;
 
 /// Why a file is not read, as the end of a sentence about it.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -77,6 +78,8 @@ pub struct Input<'a> {
     pub limits: Limits,
     /// The units of the lights of a glTF file, where they override the file's own.
     pub light_units: Option<LightUnits>,
+    /// The BRDF model of materials whose file states none, as glTF's and OBJ's.
+    pub brdf: BrdfModel,
     /// The origin of the positions that are read, in the world of the file.
     pub(crate) origin: DVec3,
 }
@@ -84,12 +87,18 @@ pub struct Input<'a> {
 impl<'a> Input<'a> {
     /// The file at `path` within `limits`.
     pub fn new(path: &'a Path, limits: Limits) -> Self {
-        Self { path, limits, light_units: None, origin: DVec3::ZERO }
+        let (brdf, origin) = (BrdfModel::default(), DVec3::ZERO);
+        Self { path, limits, light_units: None, brdf, origin }
     }
 
     /// The same, its lights in these units, if they are stated.
     pub fn in_light_units(self, light_units: Option<LightUnits>) -> Self {
         Self { light_units, ..self }
+    }
+
+    /// The same, its materials of this BRDF model, if it states none.
+    pub fn with_brdf(self, brdf: BrdfModel) -> Self {
+        Self { brdf, ..self }
     }
 
     /// The same, its positions counted from `origin`.
@@ -110,6 +119,7 @@ pub(crate) struct Scope {
     /// The folder as the user names it.
     folder: PathBuf,
     limits: Limits,
+    brdf: BrdfModel,
     origin: DVec3,
     used: Cell<u64>,
 }
@@ -120,6 +130,7 @@ impl Scope {
         Self {
             folder: folder.unwrap_or(Path::new(".")).to_owned(),
             limits: input.limits,
+            brdf: input.brdf,
             origin: input.origin,
             used: Cell::new(0),
         }
@@ -157,6 +168,11 @@ impl Scope {
              --allow-outside",
             self.folder.display()
         ))
+    }
+
+    /// The BRDF model of materials whose file states none.
+    pub(crate) fn brdf(&self) -> BrdfModel {
+        self.brdf
     }
 
     /// The origin of the scene's positions, in the world of its file.

@@ -16,6 +16,7 @@ pub mod fspy;
 pub mod gltf;
 pub mod import;
 pub mod input;
+mod kind;
 mod light_units;
 pub mod materials;
 mod names;
@@ -33,6 +34,7 @@ pub mod what_is_read;
 
 pub use error::FileError;
 pub use input::{Input, InputError, Limits};
+pub use kind::Kind;
 pub use light_units::LightUnits;
 pub use scene_file::{assign_materials, load_model, load_scene, place};
 pub use what_is_read::what_is_read;

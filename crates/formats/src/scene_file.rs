@@ -133,6 +133,11 @@ pub fn place<'a>(
     }
 }
 
+/// Whether the file at `path` is called as a scene of a known format.
+pub(crate) fn is_scene(path: &Path) -> bool {
+    format_of(path).is_ok()
+}
+
 fn format_of(path: &Path) -> Result<Format, FileError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {

@@ -53,7 +53,10 @@ pub(crate) fn drive(
     state.step("textures", |state| textures::finish(state, options));
     if options.refine && !observer.is_cancelled() {
         state.schedule.begin(Phase::OtherMinima);
-        observer.working("looking for other explanations", state.schedule.share(0.0));
+        observer.working(
+            "looking for other materials that explain the photo as well",
+            state.schedule.share(0.0),
+        );
         state.step("other minima", |state| refine::local_minima::find(state, options));
     }
     Ok(if observer.is_cancelled() { Termination::Interrupted } else { termination })
@@ -272,8 +275,7 @@ impl Driver<'_> {
         if !proposals.iter().all(is_borne_out) {
             return None;
         }
-        observer
-            .working("checking what changed against the whole picture", state.schedule.share(0.0));
+        observer.working("comparing the change with the whole photo", state.schedule.share(0.0));
         let mut found = self.verifier.verify(state);
         let changed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
         let mut comparison = self.verifier.compare(&found.score, &best.score);

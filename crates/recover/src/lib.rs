@@ -19,10 +19,12 @@ pub mod effort;
 pub mod evidence;
 pub mod expected;
 pub mod fit;
+mod group_error;
 pub mod hypothesis;
 pub mod journal;
 pub mod ladder;
 pub mod likelihood;
+mod lit;
 pub mod model_error;
 pub mod noise;
 pub mod observation;
@@ -64,6 +66,7 @@ pub use record::{
     ObjectsSeen, Observer, Recovery, Status, Termination,
 };
 pub use rerender::{Renderer, Stored, View};
+pub use schedule::expected_seconds;
 pub use sheet::Sheet;
 pub use unknown::{Quantity, Unknown};
 pub use views::Views;
@@ -77,7 +80,7 @@ use unrender_scene::Material;
 /// it out.
 ///
 /// # Errors
-/// If the camera sees nothing, or the anchor cannot fix the exposure.
+/// If the camera sees nothing, no light reaches what it sees, or the anchor cannot fix the exposure.
 pub fn refine_from(
     problem: &Problem<'_>,
     materials: &[Material],
@@ -111,6 +114,7 @@ fn refined<'a>(
 ) -> Result<(State<'a>, Termination), RecoverError> {
     let mut state = State::new(problem)?;
     state.assign_materials(materials);
+    lit::leave_out_the_dark(&mut state, options)?;
     refine::settle_nuisances(&mut state, options)?;
     let termination = refine::refine(&mut state, options, refine::Depth::Fine, observer);
     Ok((state, termination))
@@ -119,7 +123,7 @@ fn refined<'a>(
 /// Recovers the material of every group of `problem`.
 ///
 /// # Errors
-/// If the camera sees nothing, or the anchor cannot fix the exposure.
+/// If the camera sees nothing, no light reaches what it sees, or the anchor cannot fix the exposure.
 pub fn recover(
     problem: &Problem<'_>,
     options: &Options,
@@ -148,7 +152,8 @@ fn run(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> Result<Recovery, RecoverError> {
-    state.schedule = schedule::Schedule::new(options);
+    lit::leave_out_the_dark(&mut state, options)?;
+    state.schedule = schedule::Schedule::new(state.problem, options);
     let termination = match options.ladder {
         LadderKind::Default => driver::drive(&mut state, options, observer)?,
         LadderKind::Paper => paper::run(&mut state, options, observer)?,

@@ -61,11 +61,18 @@ pub fn level2(mean: Rgb, local: Rgb) -> Rgb {
 /// photograph's dark pixels begin to dominate, at double sharp lobes grow.
 const BRIGHTER: f32 = 2.0;
 
+/// Levels are at least this share of the brighter one of model and photograph: where one is black, an error is still
+/// relative to something. An eighth of the first code of 8 bits beside white; at half or double of it, the squares of
+/// single precision hold its inverse as well.
+pub(crate) const FAINTEST: f32 = 1e-4;
+
 /// A group's mean and local `light`, limited for levels and noise by the mean and local light that
 /// the photograph `shows`.
 pub fn followed(light: (Rgb, Rgb), shows: (Rgb, Rgb)) -> (Rgb, Rgb) {
+    let least = |light: Rgb, shows: Rgb| FAINTEST * light.max(shows).max(Rgb::ZERO);
     let local = light.1.min(shows.0 + BRIGHTER * shows.1);
-    (light.0.min(BRIGHTER * shows.0).max(Rgb::ZERO), local.max(Rgb::ZERO))
+    let mean = light.0.min(BRIGHTER * shows.0);
+    (mean.max(least(light.0, shows.0)), local.max(least(light.1, shows.1)))
 }
 
 impl ModelError {

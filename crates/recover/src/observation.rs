@@ -7,7 +7,7 @@
 
 pub use crate::noise::{Noise, PhotographNoise};
 use crate::sheet::Sheet;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use unrender_register::margin::{self, near_edges};
 use unrender_register::offset::EdgePicture;
 use unrender_register::steep::steepness;
@@ -210,6 +210,13 @@ impl Observation {
         let outliers =
             all.iter().filter(|p| self.status.pixels()[**p as usize] == PixelStatus::Outlier);
         outliers.count() as f64 / all.len().max(1) as f64
+    }
+
+    /// The mean of the photograph's values over the valid pixels of all groups, which are at least one.
+    pub fn mean(&self) -> Rgb {
+        let valid = || self.pixels_of_group.iter().flatten();
+        let values = valid().map(|&pixel| self.picture.values.pixels()[pixel as usize].as_dvec3());
+        (values.sum::<DVec3>() / valid().count() as f64).as_vec3()
     }
 
     /// What the value of a pixel says.

@@ -1,15 +1,15 @@
 //! The last picture: the photograph's view rendered with the results, and each group's error in it.
 
+use crate::group_error::GroupError;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::problem::{Options, Role};
 use crate::record::{Alternative, GroupResult, Observer, Recovery, Status, Termination};
-use crate::rerender::Renderer;
-use crate::residual::deviation_of_sum;
-use crate::schedule;
+use crate::schedule::Phase;
 use crate::state::State;
 use glam::Vec3;
+use std::ops::Range;
 use unrender_render::sampler::mix;
-use unrender_render::{Appearance, NOTHING, Settings};
+use unrender_render::{NOTHING, Settings};
 use unrender_scene::color::luminance;
 use unrender_scene::{Image, Rgb, RgbImage};
 
@@ -20,11 +20,12 @@ pub(crate) fn finish(
     termination: Termination,
     observer: &dyn Observer,
 ) -> Recovery {
-    let halves = render_twice(state.problem.renderer, state.appearance(), options, observer);
-    let squares: Vec<Squares> =
-        (0..state.materials.len()).map(|g| Squares::of(&state, g, &halves)).collect();
-    let whole = squares.iter().map(|s| s.error.max(0.0)).sum();
-    let groups = squares.iter().enumerate().map(|(g, s)| group_result(&state, g, s, whole));
+    let halves = render_twice(&state, options, observer);
+    let by_more = (termination != Termination::Interrupted).then_some(options);
+    let error = |group: usize| GroupError::of(&state, group, &halves, by_more);
+    let errors: Vec<GroupError> = (0..state.materials.len()).map(error).collect();
+    let whole = errors.iter().map(|error| error.measured.error.max(0.0)).sum();
+    let groups = errors.iter().enumerate().map(|(g, error)| group_result(&state, g, error, whole));
     let groups = groups.collect();
     let mean = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
     let noise = noise(&state, &halves);
@@ -45,12 +46,8 @@ pub(crate) fn finish(
 }
 
 /// Two pictures with half of the paths each, so that their noise can be separated from the error.
-fn render_twice(
-    renderer: &dyn Renderer,
-    appearance: Appearance<'_>,
-    options: &Options,
-    observer: &dyn Observer,
-) -> [Vec<Rgb>; 2] {
+fn render_twice(state: &State<'_>, options: &Options, observer: &dyn Observer) -> [Vec<Rgb>; 2] {
+    let Range { start, end } = state.schedule.of_phase(Phase::Picture);
     let spp = options.spp.div_ceil(2).max(1);
     [0, 1].map(|half| {
         let seed = mix(options.seed ^ 0x5EED).wrapping_add(half);
@@ -63,37 +60,41 @@ fn render_twice(
             integrator: unrender_render::Integrator::PathReuse,
         };
         let progress = |share: f64| {
-            let done = schedule::of_picture(options, (half as f64 + share) / 2.0);
+            let done = start + (end - start) * (half as f64 + share) / 2.0;
             observer.working("rendering the last picture", done);
         };
-        renderer.picture(appearance, &settings, &progress)
+        state.problem.renderer.picture(state.appearance(), &settings, &progress)
     })
 }
 
 /// The result of a group, of which `whole` is the squared error of all groups.
-fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) -> GroupResult {
+fn group_result(state: &State<'_>, group: usize, error: &GroupError, whole: f64) -> GroupResult {
     let spec = &state.problem.groups[group];
     let of_group = &state.groups[group];
-    let is_recovered = of_group.status == Status::Recovered;
+    let observation = &state.observation;
+    let valid = &observation.pixels_of_group[group];
+    // What no pixel shows is recovered only if its standard deviations were found small enough.
+    let is_guess =
+        of_group.status == Status::Recovered && valid.is_empty() && of_group.std.is_none();
+    let status = if is_guess { Status::Assumed } else { of_group.status };
     let doubts = [
-        squares.doubt(),
+        error.doubt(),
         of_group.untextured.clone(),
         undecided(of_group.hypothesis, &of_group.undecided),
     ];
-    let doubt = doubts.into_iter().flatten().reduce(joined).filter(|_| is_recovered);
-    let observation = &state.observation;
-    let valid = &observation.pixels_of_group[group];
-    let note = of_group.note.clone().or_else(|| match of_group.status {
-        Status::Assumed => {
-            Some(format!("no pixel shows this group: taken as {}", spec.unseen_in_words()))
-        }
-        _ => None,
-    });
+    let doubt = doubts.into_iter().flatten().reduce(joined).filter(|_| status == Status::Recovered);
+    let assumed = || {
+        let is_unseen = state.materials[group] == spec.unseen();
+        let guess = "a guess from the light that it sends to the others";
+        let taken = format!("taken as {}", spec.unseen_in_words());
+        format!("{}: {}", state.why_unseen(group), if is_unseen { &taken } else { guess })
+    };
+    let note = of_group.note.clone().or_else(|| (status == Status::Assumed).then(assumed));
     let notes = [doubt.clone(), note, on_bounds(state, group)];
     let note = notes.into_iter().flatten().reduce(joined);
     GroupResult {
         name: spec.name.clone(),
-        status: if doubt.is_some() { Status::Doubtful } else { of_group.status },
+        status: if doubt.is_some() { Status::Doubtful } else { status },
         hypothesis: of_group.hypothesis,
         material: state.materials[group].clone(),
         std: of_group.std,
@@ -102,8 +103,8 @@ fn group_result(state: &State<'_>, group: usize, squares: &Squares, whole: f64) 
         seen_texels: of_group.seen_texels.clone(),
         pixels: observation.all_pixels_of_group[group].len(),
         valid_pixels: valid.len(),
-        error: squares.relative(),
-        error_share: squares.share_of(whole),
+        error: error.measured.relative(),
+        error_share: error.measured.share_of(whole),
         selection_log: of_group.selection_log.clone(),
         note,
     }
@@ -137,84 +138,6 @@ fn on_bounds(state: &State<'_>, group: usize) -> Option<String> {
 fn alternative(fit: &Fit) -> Alternative {
     let error = fit.residual.relative();
     Alternative { hypothesis: fit.hypothesis, material: fit.material.clone(), error }
-}
-
-/// Sums over the valid pixels of a group that is no lamp; zero for lamps.
-struct Squares {
-    /// Of photograph minus re-rendering: the products of the two halves' residuals hold the error
-    /// without the rendering's noise.
-    error: f64,
-    /// The standard deviation of that.
-    deviation: f64,
-    /// The variance of the photograph's and the re-rendering's noise.
-    noise: f64,
-    /// Of the photograph.
-    photo: f64,
-}
-
-/// A group is doubtful above this relative error, whatever the noise: materials that leave a third
-/// of the photograph unexplained predict nothing.
-const DOUBTFUL: f64 = 0.3;
-/// And above this many times its noise; at double of it, errors that anyone sees pass.
-const TIMES_NOISE: f64 = 5.0;
-/// The error counts for doubt less so many of its standard deviations: a noisy last picture is no reason to doubt.
-/// Without it, with 2 paths a pixel, 24 of 145 right groups of twelve rooms were doubtful by the noise of that picture
-/// alone; half and double of it were not tried.
-const CERTAIN: f64 = 2.0;
-/// Noise and model error together are at least this, relatively. At half of it, photographs without
-/// noise make every group doubtful.
-const NOISE_MIN: f64 = 0.006;
-
-impl Squares {
-    fn of(state: &State<'_>, group: usize, halves: &[Vec<Rgb>; 2]) -> Self {
-        let mut squares = Self { error: 0.0, deviation: 0.0, noise: 0.0, photo: 0.0 };
-        if state.problem.groups[group].role == Role::Emitter {
-            return squares;
-        }
-        let mut products = Vec::new();
-        for &pixel in &state.observation.pixels_of_group[group] {
-            let at = pixel as usize;
-            let photo = state.exposure * state.value(at);
-            let [a, b] = [halves[0][at], halves[1][at]];
-            let noise = state.observation.noise(group, pixel, state.exposure);
-            let noise = noise.variance(0.5 * (a + b));
-            products.push(f64::from(((photo - a) * (photo - b) - noise).element_sum()));
-            let rendering = 0.25 * (a - b) * (a - b);
-            squares.noise += f64::from((noise + rendering).element_sum());
-            squares.photo += f64::from((photo * photo).element_sum());
-        }
-        squares.error = products.iter().sum();
-        squares.deviation = deviation_of_sum(&products);
-        squares
-    }
-
-    /// The relative root mean square; where it is not significant, its standard deviation.
-    /// None where no pixel shows the group.
-    fn relative(&self) -> Option<f64> {
-        let square = self.error.max(self.deviation).max(0.0);
-        (self.photo > 0.0).then(|| (square / self.photo).sqrt())
-    }
-
-    /// The share of the squared error `whole`.
-    fn share_of(&self, whole: f64) -> Option<f64> {
-        (self.photo > 0.0 && whole > 0.0).then(|| self.error.max(0.0) / whole)
-    }
-
-    /// Why noise and model error do not explain what is left, if they certainly do not.
-    fn doubt(&self) -> Option<String> {
-        let error = self.relative()?;
-        let noise = (self.noise / self.photo).sqrt();
-        let certain = (self.error - CERTAIN * self.deviation).max(0.0);
-        let certain = (certain / self.photo).sqrt();
-        let doubtful = certain > DOUBTFUL || certain > TIMES_NOISE * noise.max(NOISE_MIN);
-        doubtful.then(|| {
-            format!(
-                "its error of {:.1} % is not explained by noise ({:.1} %) and model error",
-                100.0 * error,
-                100.0 * noise
-            )
-        })
-    }
 }
 
 /// The standard deviation that noise gives the luminance of photograph minus re-rendering: the
@@ -252,7 +175,7 @@ fn direction(state: &State<'_>, group: usize) -> Option<Vec3> {
 
 #[cfg(test)]
 mod tests {
-    use super::{Squares, undecided};
+    use super::undecided;
     use crate::hypothesis::Hypothesis::{Anisotropic, Diffuse, Isotropic, Textured};
 
     #[test]
@@ -265,18 +188,5 @@ mod tests {
         assert_eq!(undecided(Isotropic, &[Isotropic]), None);
         assert_eq!(undecided(Textured, &[Anisotropic]), None);
         assert_eq!(undecided(Diffuse, &[]), None);
-    }
-
-    #[test]
-    fn what_noise_leaves_open_is_no_reason_to_doubt() {
-        let squares = |error, deviation| Squares { error, deviation, noise: 0.01, photo: 1.0 };
-        // Half of the photograph is unexplained, and that is certain.
-        assert!(squares(0.25, 0.01).doubt().is_some());
-        // As much, in a picture so noisy that it is not significant; it is shown all the same.
-        assert!(squares(0.25, 0.2).doubt().is_none());
-        assert_eq!(squares(0.0, 0.25).relative(), Some(0.5));
-        assert!(squares(0.0, 0.25).doubt().is_none());
-        // An error that is explained.
-        assert!(squares(0.04, 0.001).doubt().is_none());
     }
 }

@@ -260,6 +260,21 @@ pub enum RecoverError {
         "the camera sees none of the scene's groups: check the camera's position and direction"
     )]
     NothingSeen,
+    /// All valid pixels of the photograph are black.
+    #[error(
+        "the photograph is black wherever it shows the scene: was it developed too dark, or is black_level (or the \
+         response) of the project not the photograph's?"
+    )]
+    Black,
+    /// No light of the scene reaches the groups that the photograph shows, which are these.
+    #[error(
+        "no light of the scene reaches what the camera sees ({}). Does the camera stand outside of a closed room or inside \
+         of something (a near clipping plane that lets it look through a wall is not taken over: move the camera, or \
+         remove the wall), are the lamps shut in, or is another axis up than in the scene? `unrender check` draws what \
+         the camera sees",
+        some_names(_0)
+    )]
+    NoLight(Vec<String>),
     /// The anchor fixes nothing.
     #[error(
         "the anchor group \"{0}\" is not visible in the photograph (or not lit): choose another \
@@ -283,6 +298,15 @@ pub enum RecoverError {
         /// first.
         remedy: String,
     },
+}
+
+/// The first of `names` in a sentence.
+fn some_names(names: &[String]) -> String {
+    let quoted: Vec<String> = names.iter().take(4).map(|name| format!("\"{name}\"")).collect();
+    match names.len() - quoted.len() {
+        0 => quoted.join(", "),
+        rest => format!("{} and {rest} more", quoted.join(", ")),
+    }
 }
 
 /// A factor in words: one number where the channels agree.

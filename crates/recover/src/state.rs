@@ -55,6 +55,8 @@ pub(crate) struct GroupState {
     pub(crate) likelihood: Option<Likelihood>,
     pub(crate) selection_log: Vec<CandidateRecord>,
     pub(crate) seen_texels: Option<Image<bool>>,
+    /// Whether no light reaches it where the photograph shows it.
+    pub(crate) is_dark: bool,
     pub(crate) note: Option<String>,
     /// Why it has no texture, though nothing uniform explained it when it was asked last.
     pub(crate) untextured: Option<String>,
@@ -114,6 +116,9 @@ impl<'a> State<'a> {
         if (0..problem.groups.len()).all(|g| !seen(g)) {
             return Err(RecoverError::NothingSeen);
         }
+        if problem.observation.mean().max_element() <= 0.0 {
+            return Err(RecoverError::Black);
+        }
         let material = |group: usize| match problem.groups[group].role {
             Role::Unknown if seen(group) => problem.groups[group].first(Rgb::splat(START)),
             Role::Unknown => problem.groups[group].unseen(),
@@ -131,6 +136,7 @@ impl<'a> State<'a> {
             likelihood: None,
             selection_log: Vec::new(),
             seen_texels: None,
+            is_dark: false,
             note: None,
             untextured: None,
             undecided: Vec::new(),
@@ -157,7 +163,7 @@ impl<'a> State<'a> {
             light_results: Vec::new(),
             photometric,
             iterations: Vec::new(),
-            schedule: Schedule::new(&Options::default()),
+            schedule: Schedule::new(problem, &Options::default()),
             seen: None,
             steps: Steps::default(),
         })
@@ -228,6 +234,15 @@ impl<'a> State<'a> {
         let radiance = (0..width * height).map(|pixel| exposure * self.value(pixel)).collect();
         let radiance = RgbImage::new(width, height, radiance);
         self.seen = Some(RadianceCache { radiance, valid: known });
+    }
+
+    /// Why the photograph says nothing of `group`, in words.
+    pub(crate) fn why_unseen(&self, group: usize) -> &'static str {
+        match self.observation.all_pixels_of_group[group].is_empty() {
+            true => "no pixel shows this group",
+            false if self.groups[group].is_dark => "no light of the scene reaches this group",
+            false => "no pixel that shows this group is valid",
+        }
     }
 
     /// The groups to be recovered that the photograph shows.

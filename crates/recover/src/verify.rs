@@ -15,7 +15,7 @@ use crate::contrast::{Contrast, Side};
 use crate::hypothesis::Hypothesis;
 use crate::ladder::proposal::Proposal;
 use crate::likelihood::Likelihood;
-use crate::model_error::{Allowance, LightError, LightField, ModelError, level2};
+use crate::model_error::{Allowance, FAINTEST, LightError, LightField, ModelError, level2};
 use crate::observation::{PixelStatus, Reading};
 use crate::problem::{Options, Role};
 use crate::residual::ResidualStats;
@@ -117,6 +117,7 @@ impl Verifier {
         let judged = |g: &usize| state.problem.groups[*g].role != Role::Emitter;
         let observation = &state.observation;
         let wanted = observation.sheet.of_all(options.effort.pixels(PIXELS));
+        let faintest = FAINTEST * observation.mean();
         let sample = |group: usize| {
             let valid = &observation.pixels_of_group[group];
             let grid = Grid::of(observation, group, valid, wanted);
@@ -126,6 +127,7 @@ impl Verifier {
             let values: Vec<Rgb> =
                 pixels.iter().map(|&p| observation.picture.values.pixels()[p as usize]).collect();
             let mean = values.iter().sum::<Rgb>() / values.len().max(1) as f32;
+            let mean = mean.max(faintest);
             let level2 = blocks.smooth(&values).iter().map(|local| level2(mean, *local)).collect();
             let none = LightError { share: 0.0 };
             let geometry = (&observation.sheet, renderer.geometry());
@@ -412,10 +414,12 @@ pub(crate) struct Contrasts {
 impl Contrasts {
     /// Whether the picture speaks against the one state: its deviance is higher by more than [`WORSE`] standard
     /// deviations of the difference under either model, whose variance is `4 S`, with `S` their separation, plus that
-    /// by the renderings' noise. Blocks count as independent: in doubt a state is called worse.
+    /// by the renderings' noise. Blocks count as independent: in doubt, and where a picture is no number, a state is
+    /// called worse.
     pub(crate) fn is_worse(&self) -> bool {
         let difference: f64 = self.groups.iter().map(|(_, c)| c.difference).sum();
-        difference > WORSE * self.groups.iter().map(|(_, c)| c.variance()).sum::<f64>().sqrt()
+        let deviation = self.groups.iter().map(|(_, c)| c.variance()).sum::<f64>().sqrt();
+        difference.is_nan() || difference > WORSE * deviation
     }
 
     /// Whether the picture of `groups` alone is explained better.

@@ -7,6 +7,7 @@ use crate::commands::{
 pub use crate::global::Global;
 use crate::listener::{Console, Listener};
 use crate::{Error, interrupt, output};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
@@ -62,9 +63,11 @@ pub fn run() -> ExitCode {
 
 /// Runs the command line `words`, the first of which is the program's name.
 pub fn run_from(words: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let cli = match Cli::try_parse_from(words) {
+    let words: Vec<OsString> = words.into_iter().collect();
+    let cli = match Cli::try_parse_from(&words) {
         Ok(cli) => cli,
         Err(usage) => {
+            let usage = with_hint(usage, &words);
             // Help and usage errors; the output may be closed.
             let _ = usage.print();
             return ExitCode::from(usage.exit_code() as u8);
@@ -98,12 +101,36 @@ pub fn call(
 
 /// The global flags and the arguments of one subcommand.
 fn parse(words: impl IntoIterator<Item = OsString>) -> Result<Cli, Error> {
-    let words = std::iter::once("unrender".into()).chain(words);
-    Cli::try_parse_from(words).map_err(|usage| {
-        let text = usage.render().to_string();
+    let words: Vec<OsString> = std::iter::once("unrender".into()).chain(words).collect();
+    Cli::try_parse_from(&words).map_err(|usage| {
+        let text = with_hint(usage, &words).render().to_string();
         let text = text.strip_prefix("error: ").unwrap_or(&text);
         Error::Request(text.split("\n\n").next().unwrap_or(text).trim().to_owned())
     })
+}
+
+/// The error of the command line `words` with a hint if an unknown flag is a value of another one: `--effort draft` for
+/// `--draft`.
+fn with_hint(mut usage: clap::Error, words: &[OsString]) -> clap::Error {
+    let unknown = match usage.get(ContextKind::InvalidArg) {
+        Some(ContextValue::String(flag)) if usage.kind() == ErrorKind::UnknownArgument => {
+            flag.trim_start_matches('-').to_owned()
+        }
+        _ => return usage,
+    };
+    let command = Cli::command();
+    let mut named = words.iter().filter_map(|word| command.find_subcommand(word));
+    let Some(subcommand) = named.next() else { return usage };
+    let flag = subcommand.get_arguments().find_map(|argument| {
+        let values = argument.get_possible_values();
+        let takes = values.iter().any(|value| value.matches(&unknown, false));
+        argument.get_long().filter(|_| takes)
+    });
+    if let Some(flag) = flag {
+        let meant = ContextValue::String(format!("--{flag} {unknown}"));
+        usage.insert(ContextKind::SuggestedArg, meant);
+    }
+    usage
 }
 
 /// The global flags and the arguments of `render` in the command line `words`.
@@ -193,6 +220,24 @@ mod tests {
     fn threads_that_cannot_help_are_not_started() {
         assert_eq!((helpful(1), helpful(7), helpful(16)), (1, 7, 16));
         assert!(helpful(100_000) < 100_000);
+    }
+
+    #[test]
+    fn a_value_that_is_written_as_a_flag_is_hinted_at() {
+        let said = |words: &str| {
+            let words = ["unrender"].into_iter().chain(words.split(' '));
+            let words: Vec<OsString> = words.map(OsString::from).collect();
+            with_hint(Cli::try_parse_from(&words).unwrap_err(), &words).render().to_string()
+        };
+        for (flag, meant) in
+            [("draft", "effort draft"), ("high", "effort high"), ("paper", "ladder paper")]
+        {
+            let text = said(&format!("recover room.toml --out out --{flag}"));
+            assert!(text.contains(&format!("'--{meant}'")), "{text}");
+        }
+        assert!(!said("recover room.toml --out out --qqq").contains("similar argument"));
+        // Other commands have no such option.
+        assert!(!said("check room.toml --draft").contains("effort"));
     }
 
     #[test]

@@ -6,15 +6,16 @@
 pub use crate::recovered::{Recovered, Times};
 pub use crate::registration::Alignment;
 
+use crate::check::coplanar;
 use crate::photometric::{self, Number};
-use crate::problem::with_problem;
+use crate::problem::{self, with_problem};
 use crate::registered::RegisteredModel;
 use crate::{Error, Job, readings, registration, same_as};
 use std::ops::Range;
 use std::time::Instant;
 use unrender_photo::Exposure;
 use unrender_recover::{
-    IterationRecord, Journal, LadderKind, Observer, Options, Problem, RecoverError, Recovery,
+    IterationRecord, Journal, LadderKind, Observer, Options, Problem, RecoverError, Recovery, Role,
     Thresholds,
 };
 use unrender_remote::Workers;
@@ -53,6 +54,8 @@ impl Asked<'_> {
 
 /// Follows a recovery: receives its iterations, and its warnings as soon as they are known.
 pub trait Follower: Observer {
+    /// Receives, before the work, the seconds that it takes on two cores, within a factor of two or three.
+    fn expected(&self, _seconds: f64) {}
     /// Receives a warning: a sentence without a final full stop.
     fn warning(&self, sentence: &str);
 }
@@ -103,9 +106,15 @@ fn recover_as_read(
 ) -> Result<Recovered, Error> {
     let options = &asked.options;
     let started = Instant::now();
-    let registered = register(job, asked.alignment)?;
+    if let Some(seconds) = expected_seconds(job, options) {
+        follower.expected(seconds);
+    }
+    follower.working("aligning the model with the photo", 0.0);
+    let tracer = Tracer::new(&job.scene);
+    let registered = register(job, &tracer, asked.alignment)?;
     let warnings = registered.iter().flat_map(|registered| &registered.warnings.0);
     warnings.for_each(|warning| follower.warning(warning));
+    warn_of_coplanar(job, &tracer, &registered, follower);
     let until_registered = started.elapsed().as_secs_f64();
     let numbers = photometric::asked(&job.project);
     let mut begun = 0.0;
@@ -120,7 +129,8 @@ fn recover_as_read(
             let share = begun..begun + 0.5 * (ROUNDS_SHARE - begun);
             begun = share.end;
             let mut stage = Stage::new(follower, started, share);
-            let change = recover_once(job, &registered, &numbers, &rough, &mut stage)?.change;
+            let change =
+                recover_once(job, (&tracer, &registered), &numbers, &rough, &mut stage)?.change;
             if change < NEAR || follower.is_cancelled() {
                 break;
             }
@@ -129,7 +139,7 @@ fn recover_as_read(
     let developed = started.elapsed().as_secs_f64();
     let mut stage = Stage::new(follower, started, begun..1.0);
     let Once { mut recovery, group_map, object_map, .. } =
-        recover_once(job, &registered, &numbers, asked, &mut stage)?;
+        recover_once(job, (&tracer, &registered), &numbers, asked, &mut stage)?;
     let iterations = stage.iterations;
     if let Exposure::Fixed(exposure) = job.project.exposure {
         // The photograph was developed with this exposure.
@@ -156,19 +166,51 @@ fn recover_as_read(
     Ok(recovered)
 }
 
+/// The seconds that the recovery of `job` takes on two cores; none if it is not known how often it repeats its work.
+fn expected_seconds(job: &Job, options: &Options) -> Option<f64> {
+    let is_once = photometric::are_linear(&photometric::asked(&job.project));
+    let groups = (0..job.scene.groups.len()).map(|group| problem::spec(job, group));
+    let unknown = groups.filter(|spec| spec.role == Role::Unknown).count();
+    let pixels = (0..job.photographs()).map(|k| job.photo_of(k).radiance.pixels().len()).sum();
+    (is_once && options.ladder == LadderKind::Default)
+        .then(|| unrender_recover::expected_seconds(unknown, pixels, options))
+}
+
+/// Warns of surfaces that overlap in one plane where the photographs of `job` show them.
+fn warn_of_coplanar(
+    job: &mut Job,
+    tracer: &Tracer,
+    registered: &[RegisteredModel],
+    follower: &dyn Follower,
+) {
+    for (k, registered) in registered.iter().enumerate() {
+        let photo = &job.photo_of(k).radiance;
+        let geometry = tracer.geometry(&registered.camera, photo.width(), photo.height());
+        for warning in coplanar::warnings(job, tracer, (&registered.camera, &geometry)).0 {
+            if !job.warnings.0.contains(&warning) {
+                follower.warning(&warning);
+                job.warnings.push(warning);
+            }
+        }
+    }
+}
+
 /// Registers the model of `job` with each of its photographs. Exposures relative to the first photograph start
 /// where both are about equally bright.
-fn register(job: &mut Job, alignment: Alignment) -> Result<Vec<RegisteredModel>, Error> {
-    let tracer = Tracer::new(&job.scene);
+fn register(
+    job: &mut Job,
+    tracer: &Tracer,
+    alignment: Alignment,
+) -> Result<Vec<RegisteredModel>, Error> {
     let all = |job: &Job, alignment: Alignment| -> Vec<RegisteredModel> {
         let one = |k: usize| {
-            registration::register(&job.alone(k), &tracer, alignment).named(&job.called(k))
+            registration::register(&job.alone(k), tracer, alignment).named(&job.called(k))
         };
         (0..job.photographs()).map(one).collect()
     };
     if job.photographs() > 1 {
         let as_given = all(job, Alignment::Ignore);
-        let starts = with_problem(job, &tracer, &as_given, (&[], None), |problem| {
+        let starts = with_problem(job, tracer, &as_given, (&[], None), |problem| {
             Ok(photometric::relative_exposures(job, problem))
         })?;
         for (photograph, start) in starts.into_iter().enumerate() {
@@ -194,7 +236,7 @@ struct Once {
 /// One recovery, after which the photograph is developed again with the estimated `numbers`.
 fn recover_once(
     job: &mut Job,
-    registered: &[RegisteredModel],
+    (tracer, registered): (&Tracer, &[RegisteredModel]),
     numbers: &[Number],
     asked: &Asked<'_>,
     stage: &mut Stage<'_>,
@@ -210,10 +252,9 @@ fn recover_once(
         };
         Ok((recovery, maps))
     };
-    let tracer = Tracer::new(&job.scene);
     let beside = (photometric_parameters.as_slice(), asked.workers);
     let (recovery, (group_map, object_map)) =
-        with_problem(job, &tracer, registered, beside, recover)?;
+        with_problem(job, tracer, registered, beside, recover)?;
     let change = if numbers.is_empty() {
         0.0
     } else {

@@ -168,6 +168,7 @@ pub mod score;
 #[cfg(feature = "cli")]
 mod shard;
 mod shot;
+mod text_file;
 mod text_table;
 mod toml_values;
 mod working_size;

@@ -33,6 +33,8 @@ pub(crate) struct RawLight {
     add: Option<Kind>,
     #[serde(default)]
     pub(crate) remove: bool,
+    /// Whether it shines.
+    pub(crate) on: Option<bool>,
     scale: Option<Channels>,
     strength: Option<Channels>,
     #[serde(rename = "move")]
@@ -145,8 +147,12 @@ impl RawLight {
                 "size, radius, inner_deg and outer_deg are for lights that are added".into()
             );
         }
+        let is_off = self.on == Some(false);
+        if is_off && (self.scale.is_some() || self.strength.is_some()) {
+            return Err("a light that is off has no scale and no strength; leave them out".into());
+        }
         Ok(Alter {
-            scale: self.factor(),
+            scale: if is_off { Rgb::ZERO } else { self.factor() },
             strength: self.strength.map(|strength| strength.0),
             shift: self.shift.map_or(Vec3::ZERO, |shift| shift.0),
             direction: self.direction.map(|direction| direction.0),
@@ -170,6 +176,9 @@ impl RawLight {
             self.direction.ok_or("this kind of light needs a direction in which it shines");
         if self.shift.is_some() {
             return Err("a light that is added has a position; move is for existing lights".into());
+        }
+        if self.on.is_some() {
+            return Err("a light that is added is on; on is for existing lights".into());
         }
         Ok(match kind {
             Kind::Point => {

@@ -20,6 +20,10 @@ pub(crate) struct RecoveryProgress<'a> {
 }
 
 impl Follower for RecoveryProgress<'_> {
+    fn expected(&self, seconds: f64) {
+        self.progress.expect(seconds / self.share);
+    }
+
     fn warning(&self, sentence: &str) {
         self.progress.warn(&Warnings(vec![sentence.to_owned()]));
     }
@@ -45,20 +49,17 @@ impl Observer for RecoveryProgress<'_> {
     }
 }
 
-/// An iteration in words.
+/// The work that `record` ended, in words.
 fn sentence(record: &IterationRecord, ladder: LadderKind) -> String {
-    let (number, error, change) = (record.iteration, 100.0 * record.worst_error, record.change);
+    let number = record.iteration;
     if ladder == LadderKind::Paper {
         let open = match record.open_groups.len() {
             0 => "none".to_owned(),
             n if n <= 4 => record.open_groups.join(", "),
             n => format!("{n} groups"),
         };
-        return format!(
-            "paper's ladder, iteration {number}: error of the worst group {error:.2} %, change \
-             {change:.4}, still open: {open}"
-        );
+        return format!("paper's ladder, iteration {number}, still open: {open}");
     }
     let what = if record.refining { "refining" } else { "fitting" };
-    format!("{what} all, iteration {number}: error of all groups {error:.2} %, change {change:.4}")
+    format!("{what} all groups together, iteration {number}")
 }

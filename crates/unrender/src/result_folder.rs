@@ -19,6 +19,21 @@ use std::io;
 use std::path::{Path, PathBuf};
 use unrender_formats::{FileError, atomic};
 
+/// The name of the file with the materials in a folder of results.
+pub(crate) const MATERIALS: &str = "materials.json";
+
+/// The file of materials that `path` names: itself, or that of a folder of results, which are those of one run.
+///
+/// # Errors
+/// As those of [`check`].
+pub(crate) fn materials(path: &Path) -> Result<PathBuf, Error> {
+    if !path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    check(path)?;
+    Ok(path.join(MATERIALS))
+}
+
 /// A folder into which a command writes its results.
 pub(crate) struct ResultFolder {
     path: PathBuf,

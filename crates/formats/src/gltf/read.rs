@@ -148,7 +148,7 @@ fn sort_into_groups(
     for object in &mut scene.objects {
         object.group = group_of[object.group].unwrap_or_default();
     }
-    Ok(model.unwrap_or_default())
+    Ok(model.unwrap_or(source.scope().brdf()))
 }
 
 fn warn_of_missing_uvs(scene: &Scene, warnings: &mut Warnings) {

@@ -123,7 +123,7 @@ fn scene(
 ) -> Result<Scene, String> {
     let mut slots: Vec<Option<&str>> = Vec::new();
     let mut slot_of: HashMap<Option<&str>, usize> = HashMap::new();
-    let mut scene = Scene::default();
+    let mut scene = Scene { brdf: scope.brdf(), ..Scene::default() };
     for (index, part) in parts.into_iter().enumerate() {
         let wanted = group_name(document, materials, &part);
         let group = *slot_of.entry(wanted).or_insert(slots.len());

@@ -49,6 +49,7 @@ pub use merged::write_merged;
 pub use orientation::{Orientation, Stored, stored, stored_in};
 pub use panorama::read_environment;
 pub(crate) use raw::other as other_kind;
+pub(crate) use read::is_picture;
 pub(crate) use read::read_in;
 pub use read::{decode, read};
 pub(crate) use tables::tables;

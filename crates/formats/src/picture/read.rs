@@ -191,6 +191,11 @@ fn put_merged(scope: &Scope, picture: &mut Picture, bytes: &[u8]) -> Result<(), 
     Ok(())
 }
 
+/// Whether a file that begins with `bytes` is a picture, also of a format that is not read.
+pub(crate) fn is_picture(bytes: &[u8]) -> bool {
+    image::guess_format(bytes).is_ok() || raw::of_beginning(bytes).or(raw::other(bytes)).is_some()
+}
+
 /// The format of the bytes, if it is one that is read.
 pub(super) fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
     if Tiff::of(bytes).is_some() {

@@ -3,8 +3,8 @@
 use crate::support::{Folder, changed, triangle_bytes, triangle_json};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 use serde_json::{Value, json};
-use unrender_formats::load_scene;
-use unrender_scene::{LightKind, Material, Rgb, Scene, Warnings};
+use unrender_formats::{Input, load_scene};
+use unrender_scene::{BrdfModel, LightKind, Material, Rgb, Scene, WardModel, Warnings};
 
 fn load(bytes: &[u8]) -> (Scene, Warnings) {
     let folder = Folder::new();
@@ -272,4 +272,19 @@ fn metallic_roughness_becomes_ward() {
     let chalk =
         material(json!({ "baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0 }), json!({}));
     assert_eq!(chalk, Material::diffuse(Rgb::splat(0.5)));
+}
+
+#[test]
+fn a_lobe_that_the_file_does_not_state_is_the_one_that_is_asked_for() {
+    let folder = Folder::new();
+    let path = folder.file("scene.glb", changed(|_, _| ()));
+    for brdf in [BrdfModel::Ggx, WardModel::Ward1992.into()] {
+        let (scene, _) = load_scene(Input::from(&path).with_brdf(brdf)).unwrap();
+        assert_eq!(scene.brdf, brdf);
+        // What it states is not changed.
+        let stated = Scene { brdf: WardModel::WardGmd.into(), ..scene };
+        let path = folder.file("stated.glb", unrender_formats::gltf::to_glb(&stated).unwrap());
+        let (scene, _) = load_scene(Input::from(&path).with_brdf(brdf)).unwrap();
+        assert_eq!(scene.brdf, stated.brdf);
+    }
 }

@@ -42,13 +42,13 @@ const KEPT: f64 = 0.5;
 const LEAST_GROWTH: f64 = 1e-6;
 
 /// The linear values of the codes 0, 1/255, ... 1; that of 0 is 0, that of 1 is 1. And for each sample whether it
-/// is an inlier: nothing moved there.
-pub(super) fn fit(samples: &[Sample]) -> (Vec<f64>, Vec<bool>) {
+/// is an inlier: nothing moved there. None if the samples do not determine a curve.
+pub(super) fn fit(samples: &[Sample]) -> Option<(Vec<f64>, Vec<bool>)> {
     let mut weights: Vec<Vec<f64>> = samples.iter().map(|s| vec![1.0; s.readings.len()]).collect();
-    let mut logarithms = solve(samples, &weights);
+    let mut logarithms = solve(samples, &weights)?;
     for _ in 0..ROUNDS {
         reweigh(samples, &logarithms, &mut weights);
-        logarithms = solve(samples, &weights);
+        logarithms = solve(samples, &weights)?;
     }
     // No light is black.
     let above = monotone(&logarithms.as_slice()[1..KNOTS]);
@@ -60,7 +60,7 @@ pub(super) fn fit(samples: &[Sample]) -> (Vec<f64>, Vec<bool>) {
     }
     let white = grown[KNOTS - 1];
     let kept = weights.iter().map(|weights| weights.iter().all(|w| *w > KEPT)).collect();
-    (grown.iter().map(|value| value / white).collect(), kept)
+    Some((grown.iter().map(|value| value / white).collect(), kept))
 }
 
 /// The knot at or below `code`, and how far it is from there to the next.
@@ -71,7 +71,7 @@ fn knot(code: f64) -> (usize, f64) {
 }
 
 /// `g` at the knots, followed by `gamma`; `weights` of the readings multiply those of their codes.
-fn solve(samples: &[Sample], weights: &[Vec<f64>]) -> DVector<f64> {
+fn solve(samples: &[Sample], weights: &[Vec<f64>]) -> Option<DVector<f64>> {
     let mut matrix = DMatrix::<f64>::zeros(KNOTS + 1, KNOTS + 1);
     let mut right = DVector::<f64>::zeros(KNOTS + 1);
     let mut total = 0.0;
@@ -107,7 +107,7 @@ fn solve(samples: &[Sample], weights: &[Vec<f64>]) -> DVector<f64> {
     matrix[(KNOTS / 2, KNOTS / 2)] += total.max(1.0);
     let ridge = 1e-12 * total.max(1.0);
     (0..=KNOTS).for_each(|k| matrix[(k, k)] += ridge);
-    Cholesky::new(matrix).map_or_else(|| DVector::zeros(KNOTS + 1), |c| c.solve(&right))
+    Some(Cholesky::new(matrix)?.solve(&right))
 }
 
 /// Adds the second term of the sum: `lambda` times the squares of the third differences of `r`.
@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn a_gamma_and_a_toe_with_a_shoulder_are_found() {
         let gamma = |x: f64| x.powf(1.0 / 2.2);
-        let (curve, kept) = fit(&samples(gamma));
+        let (curve, kept) = fit(&samples(gamma)).unwrap();
         assert!(2 * kept.iter().filter(|kept| **kept).count() > kept.len());
         let worst = (0..KNOTS).map(|k| (curve[k] - (k as f64 / 255.0).powf(2.2)).abs());
         assert!(worst.clone().fold(0.0, f64::max) < 1e-3, "{:?}", worst.fold(0.0, f64::max));
@@ -206,7 +206,7 @@ mod tests {
             }
             low
         };
-        let (curve, _) = fit(&samples(code));
+        let (curve, _) = fit(&samples(code)).unwrap();
         let worst = (0..KNOTS).map(|k| (curve[k] - inverse(k as f64 / 255.0)).abs());
         assert!(worst.clone().fold(0.0, f64::max) < 1e-3, "{:?}", worst.fold(0.0, f64::max));
     }

@@ -206,6 +206,12 @@ pub enum BracketError {
         needed = patches::FEWEST
     )]
     Response(usize),
+    /// All places are equally bright.
+    #[error(
+        "the frames show too few different brightnesses to find the camera's response; state the response, or take \
+         a bracket of something with bright and dark surfaces"
+    )]
+    Undetermined,
 }
 
 /// Merges `frames`.
@@ -342,14 +348,18 @@ fn fit_response(
     let covered = patches::covered(&samples);
     let codes: Vec<f64> = (0..=255).map(|k| f64::from(k) / 255.0).collect();
     let mut disagreement: f64 = 0.0;
-    let fitted = samples.each_ref().map(|samples| {
-        let (values, kept) = debevec_malik::fit(samples);
+    let found = samples.each_ref().map(|samples| {
+        let (values, kept) = debevec_malik::fit(samples)?;
         let still = samples.iter().zip(kept).filter(|(_, kept)| *kept).map(|(sample, _)| sample);
         let other = mitsunaga_nayar::fit(&still.collect::<Vec<_>>());
         let differs = mitsunaga_nayar::disagreement(&other, &codes, &values, covered);
         disagreement = disagreement.max(differs);
-        values
+        Some(values)
     });
+    let [Some(red), Some(green), Some(blue)] = found else {
+        return Err(BracketError::Undetermined);
+    };
+    let fitted = [red, green, blue];
     // The unit of each channel is arbitrary: as in the paper, the middle code is grey. White is extrapolated,
     // and scaled to 1 in the mean of the channels.
     let middle = codes.len() / 2;

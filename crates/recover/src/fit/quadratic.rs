@@ -45,9 +45,11 @@ const DEPENDS: f64 = 1e-10;
 /// assert!((found - DVector::from_vec(vec![0.75, 0.25])).norm() < 1e-12);
 /// ```
 ///
-/// None if `h` is not positive definite, or
-/// the bounds exclude each other.
+/// None if `h` is not positive definite, `g` is not finite, or the bounds exclude each other.
 pub fn minimise(h: &DMatrix<f64>, g: &DVector<f64>, bounds: &Bounds) -> Option<DVector<f64>> {
+    if !g.iter().all(|g| g.is_finite()) {
+        return None;
+    }
     let free = h.clone().cholesky().map(|factors| factors.solve(g));
     if let Some(free) = free.filter(|free| bounds.hold(free)) {
         return Some(free);

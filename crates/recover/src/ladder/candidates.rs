@@ -147,9 +147,10 @@ impl<'o> Candidates<'o> {
                 return Vec::new();
             }
             let mut proposals = Vec::new();
+            let all = state.visible_unknowns().len() as f64;
             for group in worst {
                 let asked = self.asked_at.iter().filter(|at| **at == Some(level)).count();
-                tell(state, observer, group, asked as f64 / self.asked.len() as f64);
+                tell(state, observer, group, asked as f64 / all);
                 proposals.extend(self.propose(state, group, level));
             }
             if !proposals.is_empty() {
@@ -369,7 +370,7 @@ fn chain(state: &State<'_>, group: usize, fitted: &Fitted) -> Option<Proposal> {
 /// Tells the observer that `group` is asked, with the share `done` of the present part.
 pub(crate) fn tell(state: &mut State<'_>, observer: &dyn Observer, group: usize, done: f64) {
     let name = &state.problem.groups[group].name;
-    observer.working(&format!("looking for what explains \"{name}\""), state.schedule.share(done));
+    observer.working(&format!("comparing hypotheses for \"{name}\""), state.schedule.share(done));
 }
 
 /// Writes the candidates into the group's selection log.

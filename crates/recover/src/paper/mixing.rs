@@ -57,7 +57,8 @@ impl Mixing {
             let all = (0..now.len()).flat_map(|group| [(group, false), (group, true)]);
             let is_mixed = |entry: &Entry| {
                 let is_plain = corrected[entry.0].texture.is_none();
-                is_plain && value(now, *entry).min(value(corrected, *entry)) > LEAST
+                is_plain
+                    && [now, corrected].iter().all(|materials| value(materials, *entry) > LEAST)
             };
             let of: Vec<Entry> = all.filter(is_mixed).collect();
             let logs = |materials: &[Material]| {

@@ -76,7 +76,8 @@ pub(crate) fn refine(
 ) -> Termination {
     state.forget_deviations();
     free_the_unseen(state);
-    if Unknowns::of(state).len() == 0 {
+    let is_anything_free = |state: &State<'_>| Unknowns::of(state).len() > 0;
+    if !is_anything_free(state) {
         return Termination::Settled;
     }
     let mut passes = Passes::new(options);
@@ -97,7 +98,11 @@ pub(crate) fn refine(
             return Termination::RefinementFailed;
         }
         if round < ROUNDS_MAX && verdict::simplify(state, &solution, options) {
-            continue;
+            if is_anything_free(state) {
+                continue;
+            }
+            // The last unknown group is out of sight, and assumed now.
+            break;
         }
         verdict::record(state, &solution);
         if !solution.settled {

@@ -331,7 +331,7 @@ fn clipped_mean(values: impl Iterator<Item = Rgb>) -> Rgb {
             return 0.0;
         }
         let most = OUTLIER * *sizes.select_nth_unstable_by(middle, f32::total_cmp).1;
-        let sum: f64 = values.iter().map(|v| f64::from(v[c].clamp(-most, most))).sum();
+        let sum: f64 = values.iter().map(|v| f64::from(v[c].max(-most).min(most))).sum();
         (sum / values.len() as f64) as f32
     };
     Rgb::new(channel(0), channel(1), channel(2))

@@ -62,15 +62,21 @@ const FAR: f64 = 4.0;
 /// difference.
 const WORSE: f64 = 3.0;
 
+/// The share of the remaining time that each accumulation of a refinement takes: as a rule the first one is the last,
+/// and a verdict may ask for others.
+const ROUND: f64 = 0.6;
+
 /// The passes of one refinement.
 pub(super) struct Passes<'o> {
     options: &'o Options,
     count: u64,
+    /// How many accumulations have begun.
+    rounds: i32,
 }
 
 impl<'o> Passes<'o> {
     pub(super) fn new(options: &'o Options) -> Self {
-        Self { options, count: 0 }
+        Self { options, count: 0, rounds: 0 }
     }
 
     /// Moves the unknowns of `state` to where they explain the photograph best.
@@ -79,6 +85,7 @@ impl<'o> Passes<'o> {
         state: &mut State<'_>,
         observer: &mut dyn Observer,
     ) -> Solution {
+        self.rounds += 1;
         let unknowns = Unknowns::of(state);
         let prior = unknowns.prior_mean(state);
         let effort = self.options.effort;
@@ -137,7 +144,7 @@ impl<'o> Passes<'o> {
         let mut shown = None;
         for _ in 0..TRACED_MAX {
             let what = if state.schedule.is_refining() { "refining" } else { "fitting" };
-            observer.working(&format!("{what} all numbers together"), state.schedule.share(0.0));
+            observer.working(&format!("{what} all groups together"), state.schedule.share(0.0));
             state.look_at_photograph();
             let settings = Settings { spp, ..self.settings() };
             let kept = KeptPaths::new(state, pixels, &settings);
@@ -170,7 +177,7 @@ impl<'o> Passes<'o> {
         };
         let show = |state: &State<'a>| state.steps.value("pass", || kept.means(state, unknowns));
         descent.run(state, &show, &mut |state, Taken { number, step, error, errors }| {
-            let done = 0.1 + 0.3 * *number as f64 / STEPS_MAX as f64;
+            let done = self.within(0.1 + 0.3 * *number as f64 / STEPS_MAX as f64);
             tell(state, observer, unknowns, (step, *error, errors), done);
             !observer.is_cancelled()
         })
@@ -217,7 +224,7 @@ impl<'o> Passes<'o> {
             };
             let step = unknowns.apply(state, &step);
             let error = relative_error(&normal, &average);
-            let done = 0.4 + 0.6 * pass as f64 / passes_max as f64;
+            let done = self.within(0.4 + 0.6 * pass as f64 / passes_max as f64);
             let errors = means::relative_errors(&average, state.materials.len());
             tell(state, observer, &unknowns, (&step, error, &errors), done);
             let moved = in_deviations(&step, &covariance);
@@ -245,6 +252,14 @@ impl<'o> Passes<'o> {
             samples.iter_mut().zip(paths).for_each(|(s, paths)| *s = s.end..s.end + paths);
         }
         Solution { unknowns, covariance: stated, settled, failed }
+    }
+
+    /// The share of the refinement that is done where `done` of its present accumulation is.
+    fn within(&self, done: f64) -> f64 {
+        match self.rounds {
+            0 => done,
+            rounds => 1.0 - (1.0 - ROUND).powi(rounds - 1) * (1.0 - ROUND * done),
+        }
     }
 
     /// The settings of the next rendering, but for its paths a pixel.

@@ -97,13 +97,12 @@ fn step_down(
 }
 
 fn assume_white(state: &mut State<'_>, group: usize) {
-    let spec = &state.problem.groups[group];
+    let (spec, why) = (&state.problem.groups[group], state.why_unseen(group));
     state.materials[group] = spec.unseen();
     let of_group = &mut state.groups[group];
     of_group.status = Status::Assumed;
     of_group.note = Some(format!(
-        "no pixel shows this group, and the light that it sends leaves its reflectance open: taken \
-         as {}",
+        "{why}, and the light that it sends leaves its reflectance open: taken as {}",
         spec.unseen_in_words()
     ));
 }

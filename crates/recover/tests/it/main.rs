@@ -4,6 +4,7 @@
 mod brushed_room;
 mod stripes;
 
+mod empty;
 mod error_bars;
 mod ggx;
 mod ladder;

@@ -27,6 +27,8 @@ pub(crate) struct Stripes {
     /// The lights, the same at every pixel, and the sum of their irradiances.
     pub(crate) incident: Vec<Incident>,
     pub(crate) irradiance: Rgb,
+    /// A stripe that gets no light.
+    pub(crate) dark: Option<u32>,
 }
 
 impl Stripes {
@@ -43,7 +45,7 @@ impl Stripes {
         let incident = Self::lights();
         let irradiance = incident.iter().map(|light| light.irradiance).sum();
         let (model, expected) = (BrdfModel::default(), Vec::new());
-        Self { model, truth, geometry, expected, incident, irradiance }
+        Self { model, truth, geometry, expected, incident, irradiance, dark: None }
     }
 
     fn wo(pixel: u32) -> Vec3 {
@@ -78,6 +80,9 @@ impl Stripes {
 
     /// The radiance of `pixel` with `material`, whose lobe is `lobe`.
     fn radiance(&self, material: &Material, lobe: Option<&GlossyLobe>, pixel: u32) -> Rgb {
+        if self.dark == Some(self.geometry.pixels()[pixel as usize].group) {
+            return Rgb::ZERO;
+        }
         let wo = Self::wo(pixel);
         let rho_d = material.rho_d_at(self.geometry.pixels()[pixel as usize].uv);
         let shine = lobe.map_or_else(
@@ -193,6 +198,7 @@ impl Renderer for Stripes {
             let count = if settings.keep_incident { incident.len() as u32 } else { 0 };
             all.incident.extend(incident.iter().take(count as usize).cloned());
             let at = self.geometry.pixels()[pixel as usize];
+            let irradiance = if self.dark == Some(at.group) { Rgb::ZERO } else { self.irradiance };
             all.probes.push(Probe {
                 pixel,
                 group: at.group,
@@ -200,7 +206,7 @@ impl Renderer for Stripes {
                 wo: Self::wo(pixel),
                 point: at.uv.extend(0.0),
                 emitted: Rgb::ZERO,
-                diffuse: self.irradiance * FRAC_1_PI,
+                diffuse: irradiance * FRAC_1_PI,
                 mirror: Self::mirror(Self::wo(pixel)),
                 mirrored: None,
                 first,

@@ -47,7 +47,7 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
 }
 
 /// A point of the picture and the normal on the viewer's side.
-type SurfacePoint = (Vec3, Vec3);
+pub(super) type SurfacePoint = (Vec3, Vec3);
 
 fn seen_points(subject: &Subject<'_>) -> Vec<SurfacePoint> {
     let (geometry, camera) = (subject.geometry, &subject.registered.camera);
@@ -65,7 +65,7 @@ fn seen_points(subject: &Subject<'_>) -> Vec<SurfacePoint> {
 }
 
 /// Whether nothing stands between two points.
-fn is_free(tracer: &Tracer, from: Vec3, to: Vec3) -> bool {
+pub(super) fn is_free(tracer: &Tracer, from: Vec3, to: Vec3) -> bool {
     let distance = from.distance(to);
     let ray =
         Ray { origin: from, direction: (to - from) / distance, t_max: distance * (1.0 - 1e-4) };
@@ -123,7 +123,7 @@ fn out_of_sight(kind: &str, name: &str) -> String {
 }
 
 /// Points spread evenly over `mesh`, with the normals of the fronts.
-fn spread_over(mesh: &Mesh, count: usize) -> Vec<SurfacePoint> {
+pub(super) fn spread_over(mesh: &Mesh, count: usize) -> Vec<SurfacePoint> {
     let areas: Vec<f32> = (0..mesh.triangles.len()).map(|t| normal(mesh, t).length()).collect();
     let total: f32 = areas.iter().sum();
     let (mut triangle, mut before) = (0, 0.0);
@@ -151,7 +151,7 @@ fn normal(mesh: &Mesh, triangle: usize) -> Vec3 {
     (b - a).cross(c - a)
 }
 
-fn area(mesh: &Mesh) -> f32 {
+pub(super) fn area(mesh: &Mesh) -> f32 {
     (0..mesh.triangles.len()).map(|t| 0.5 * normal(mesh, t).length()).sum()
 }
 

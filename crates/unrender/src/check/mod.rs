@@ -4,12 +4,12 @@
 //! and what to do. The limits are loose on purpose; a warning suggests a look, it proves nothing.
 
 mod camera;
+pub(crate) mod coplanar;
 mod edges;
 mod groups;
 mod identifiability;
 mod light_units;
 mod lights;
-mod model;
 mod photograph;
 mod picture;
 mod sides;
@@ -79,7 +79,7 @@ pub fn check(job: &Job) -> Checkup {
         photograph::warnings(&subject),
         camera::warnings(&subject),
         edges::warnings(&subject, &edges),
-        model::warnings(&subject),
+        coplanar::warnings(job, &tracer, (&registered.camera, geometry)),
         sides::warnings(&subject),
         lights::warnings(&subject),
         light_units::warnings(&subject),

@@ -29,8 +29,8 @@ pub struct Args {
     /// The scene file, instead of a folder of results.
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
-    /// Materials to apply to the scene's groups.
-    #[arg(long, value_name = "FILE.json", requires = "scene")]
+    /// Materials to apply to the scene's groups: a file, or a folder with the results of `recover`.
+    #[arg(long, value_name = "FILE.json|DIR", requires = "scene")]
     pub materials: Option<PathBuf>,
     /// The units of a glTF file's lights: blender-standard, unitless, blender-raw or radiometric
     /// [default: as its generator writes them].
@@ -148,12 +148,9 @@ fn light_units(args: &Args, limits: Limits) -> Result<LightUnits, Error> {
 /// The scene with its materials, the camera, and the size of its picture.
 fn input(args: &Args, global: &Global) -> Result<(Scene, Camera, (usize, usize), Warnings), Error> {
     let limits = global.limits();
-    if let Some(folder) = &args.results {
-        result_folder::check(folder)?;
-    }
     let path = scene_path(args);
-    let of_results = args.results.as_ref().map(|folder| folder.join("materials.json"));
-    let materials = of_results.or_else(|| args.materials.clone());
+    let materials = args.results.as_deref().or(args.materials.as_deref());
+    let materials = materials.map(result_folder::materials).transpose()?;
     let source = Input::new(&path, limits).in_light_units(args.light_units);
     let (mut scene, mut warnings) = match &global.scene {
         Some(scene) => (Scene::clone(scene), Warnings::default()),

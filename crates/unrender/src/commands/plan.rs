@@ -47,9 +47,8 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let (mut project, warnings) = Project::read(&args.project)?;
     project.limits = global.limits();
-    result_folder::check(&args.recovered)?;
+    let path = result_folder::materials(&args.recovered)?;
     let mut job = Job::load(project, warnings)?;
-    let path = args.recovered.join("materials.json");
     let input = Input::new(&path, global.limits());
     let noted = materials::apply_from(input, &mut job.scene)?;
     global.console.warn(&job.warnings);

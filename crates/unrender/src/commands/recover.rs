@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use unrender_formats::Limits;
 use unrender_recover::{Journal, LadderKind, Options, Termination, effort};
 use unrender_remote::Workers;
-use unrender_scene::Hypothesis;
+use unrender_scene::{Hypothesis, Warnings};
 
 /// Recovers the materials of a project's groups from its photograph.
 #[derive(Debug, clap::Args)]
@@ -145,7 +145,10 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let mut job = Job::load(project, warnings)?;
     let head = Head::of(&job, args.choices(global.limits()));
     let journal = RecoveryJournal::open(&args.out, head, args.resume)?;
-    let recovered = match recovered_with(args, &mut job, global, Some(&journal), None) {
+    let progress = Progress::new("recover", global);
+    let follow =
+        Follow { progress: &progress, share: 1.0 - WRITING_SHARE, journal: Some(&journal) };
+    let recovered = match recovered_with(args, &mut job, global, &follow, None) {
         Ok(recovered) => recovered,
         Err(error) => {
             // There is nothing to resume.
@@ -153,8 +156,10 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
             return Err(error);
         }
     };
-    let run =
-        folder.write(false, |place| results::write(&job, &recovered, place, &global.console))?;
+    progress.work_on("writing the results", follow.share);
+    let warn = |warnings: &Warnings| progress.warn(warnings);
+    let run = folder.write(false, |place| results::write(&job, &recovered, place, &warn))?;
+    drop(progress);
     if args.json {
         global.console.print(&run.to_text()?);
     } else {
@@ -210,7 +215,7 @@ impl Args {
 /// # Errors
 /// If the camera sees nothing, or the anchor cannot fix the exposure.
 pub fn recovered(args: &Args, job: &mut Job, global: &Global) -> Result<Recovered, Error> {
-    recovered_with(args, job, global, None, None)
+    recovered_by_any(args, job, global, None)
 }
 
 /// As [`recovered`], but `workers` do the renderer's work, with the same bits.
@@ -223,16 +228,36 @@ pub fn recovered_by(
     global: &Global,
     workers: &dyn Workers,
 ) -> Result<Recovered, Error> {
-    recovered_with(args, job, global, None, Some(workers))
+    recovered_by_any(args, job, global, Some(workers))
+}
+
+fn recovered_by_any(
+    args: &Args,
+    job: &mut Job,
+    global: &Global,
+    workers: Option<&dyn Workers>,
+) -> Result<Recovered, Error> {
+    let progress = Progress::new("recover", global);
+    let follow = Follow { progress: &progress, share: 1.0, journal: None };
+    recovered_with(args, job, global, &follow, workers)
+}
+
+/// What follows a recovery.
+struct Follow<'a> {
+    progress: &'a Progress,
+    /// The share of the recovery in the whole work.
+    share: f64,
+    journal: Option<&'a RecoveryJournal>,
 }
 
 fn recovered_with(
     args: &Args,
     job: &mut Job,
     global: &Global,
-    journal: Option<&RecoveryJournal>,
+    follow: &Follow<'_>,
     workers: Option<&dyn Workers>,
 ) -> Result<Recovered, Error> {
+    let Follow { progress, share: all, journal } = *follow;
     // The number of its pixels then decides the samples of the last picture.
     job.reduce();
     global.console.warn(&job.warnings);
@@ -243,21 +268,22 @@ fn recovered_with(
         workers,
         journal: journal.map(|journal| journal as &dyn Journal),
     };
-    let progress = Progress::new("recover", global);
     let is_full = args.picture == PictureSize::Full && job.side > 1;
-    let share = if is_full { 1.0 - FULL_SHARE } else { 1.0 };
+    let share = if is_full { all * (1.0 - FULL_SHARE) } else { all };
     let (ladder, pausable) = (asked.options.ladder, Pausable::new());
-    let mut follower = RecoveryProgress { progress: &progress, ladder, share, pausable, journal };
+    let mut follower = RecoveryProgress { progress, ladder, share, pausable, journal };
     let mut recovered = engine::recover(job, &asked, &mut follower)?;
     drop(follower);
     if is_full && recovered.recovery.termination != Termination::Interrupted {
         recovered.render_full(job, &|done: f64| {
-            progress.work_on("rendering all pixels of the photo", share + done * FULL_SHARE);
+            progress.work_on("rendering all pixels of the photo", share + done * (all - share));
         });
     }
     Ok(recovered)
 }
 
+/// The approximate share of the time in which results are written: 2 to 8 % in the rooms of the corpus.
+const WRITING_SHARE: f64 = 0.05;
 /// The approximate share of the time for a last picture of all pixels of a photograph.
 const FULL_SHARE: f64 = 0.5;
 
@@ -286,7 +312,8 @@ pub fn check(project: &Project, out: &Path) -> Result<(), Error> {
 pub fn write(job: &Job, recovered: &Recovered, out: &Path, global: &Global) -> Result<(), Error> {
     let inputs = job.project.inputs();
     let folder = ResultFolder::open(out, "recover", &results::writes, &inputs)?;
-    folder.write(false, |place| results::write(job, recovered, place, &global.console))?;
+    let warn = |warnings: &Warnings| global.console.warn(warnings);
+    folder.write(false, |place| results::write(job, recovered, place, &warn))?;
     Ok(())
 }
 

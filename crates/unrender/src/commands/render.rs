@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::progressive::{self, Job};
 use crate::progressive_render::PictureRender;
 use crate::shard;
-use crate::{Error, Project, interrupt, job, output};
+use crate::{Error, Project, interrupt, job, output, result_folder};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -22,12 +22,12 @@ const MAX_SIDE: usize = 65_536;
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender render room.glb --out room.exr\n  \
-    unrender render room.glb --materials result/materials.json --spp 256 --out room.png\n  \
+    unrender render room.glb --materials result --spp 256 --out room.png\n  \
     unrender render room.glb --denoise --out clean.png\n  \
     unrender render room.glb --layers --out layers.exr    (see unrender relight)\n  \
     unrender render room.glb --camera door --height 1080 --seed 7 --out door.exr\n  \
     unrender render vase.glb --environment sky.hdr --environment-rotation 90 --out vase.png\n  \
-    unrender render --project room.toml --materials result/materials.json --out again.png\n  \
+    unrender render --project room.toml --materials result --out again.png\n  \
     unrender render room.glb --noise 0.01 --adaptive --checkpoint room.part.exr --out room.exr\n  \
     unrender render room.glb --samples 64..128 --out part2.exr    (see unrender merge)")]
 pub struct Args {
@@ -43,8 +43,8 @@ pub struct Args {
     #[arg(long, value_name = "N", requires = "project")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     pub photo: Option<u32>,
-    /// Materials to apply to the scene's groups.
-    #[arg(long, value_name = "FILE.json")]
+    /// Materials to apply to the scene's groups: a file, or a folder with the results of `recover`.
+    #[arg(long, value_name = "FILE.json|DIR")]
     pub materials: Option<PathBuf>,
     /// The units of a glTF file's lights: blender-standard, unitless, blender-raw or radiometric
     /// [default: as its generator writes them].
@@ -304,7 +304,8 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
         }
     };
     if let Some(path) = &args.materials {
-        warnings.extend(materials::apply_from(Input::new(path, limits), &mut scene)?);
+        let path = result_folder::materials(path)?;
+        warnings.extend(materials::apply_from(Input::new(&path, limits), &mut scene)?);
     }
     if let Some(put) = given.materials {
         warnings.extend(put(&mut scene)?);

@@ -63,8 +63,8 @@ pub struct Args {
     /// [default: as its generator writes them].
     #[arg(long, value_name = "UNITS")]
     pub light_units: Option<LightUnits>,
-    /// Materials to apply to the scene's groups.
-    #[arg(long, value_name = "FILE.json")]
+    /// Materials to apply to the scene's groups: a file, or a folder with the results of `recover`.
+    #[arg(long, value_name = "FILE.json|DIR")]
     pub materials: Option<String>,
     /// Remove an object or all objects of a group.
     #[arg(long, value_name = "NAME")]
@@ -72,7 +72,7 @@ pub struct Args {
     /// Change the reflectance of a group: 'GROUP: rho_d = [0.5, 0.1, 0.1]'.
     #[arg(long, value_name = "EDIT")]
     pub repaint: Vec<String>,
-    /// Change, move, add or remove a light: 'NAME: scale = 0.5'.
+    /// Change, switch, move, add or remove a light: 'NAME: scale = 0.5', 'NAME: off'.
     #[arg(long, value_name = "EDIT")]
     pub light: Vec<String>,
     /// Light the scene by a panorama from all directions: 'FILE.hdr: rotation_deg = 90'.

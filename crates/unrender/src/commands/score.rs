@@ -1,10 +1,10 @@
 //! `unrender score`: recovered materials against the truth.
 
-use crate::Error;
 use crate::global::Global;
 use crate::score::{
     Certainty, GroupScore, LightScore, Limits, Worst, certainty, score, score_lights, table, worst,
 };
+use crate::{Error, result_folder};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -52,11 +52,7 @@ struct Json<'a> {
 /// # Errors
 /// If a file cannot be read.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
-    let path = if args.results.is_dir() {
-        args.results.join("materials.json")
-    } else {
-        args.results.clone()
-    };
+    let path = result_folder::materials(&args.results)?;
     let folder = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
     let (results, truth) = (
         materials::read(Input::new(&path, global.limits()))?,

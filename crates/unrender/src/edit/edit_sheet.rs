@@ -2,10 +2,10 @@
 
 use super::raw::RawEdits;
 use super::written::{self, Written};
-use crate::Error;
+use crate::{Error, text_file};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use unrender_formats::{FileError, LightUnits, Limits, input};
+use unrender_formats::{FileError, LightUnits, Limits};
 use unrender_scene::Scene;
 
 /// Edits as they are written, with the name of their place in messages.
@@ -23,7 +23,7 @@ pub enum Flag {
     Remove,
     /// `--repaint 'GROUP: rho_d = [0.5, 0.1, 0.1]'`
     Repaint,
-    /// `--light 'NAME: scale = 0.5'`
+    /// `--light 'NAME: scale = 0.5'`, `--light 'NAME: off'`
     Light,
     /// `--insert 'FILE: on = "floor", at = [0, 1]'`
     Insert,
@@ -70,7 +70,7 @@ impl EditSheet {
     /// # Errors
     /// If it is missing, is not TOML, has an unknown key or an invalid value.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
+        let text = text_file::read(path, text_file::Expected::Edit)?;
         let raw = toml::from_str(&text).map_err(|error| {
             FileError::new(path, written::with_line(&text, error.span(), error.message()))
         })?;
@@ -83,7 +83,11 @@ impl EditSheet {
     /// If the value is not of the flag's form.
     pub fn of_flag(flag: Flag, value: &str) -> Result<Self, Error> {
         let (written, head, tail) = flag.forms();
+        let is_on = |word: &str| word.trim().eq_ignore_ascii_case("on");
+        let is_off = |word: &str| word.trim().eq_ignore_ascii_case("off");
+        let is_switch = |word: &str| flag == Flag::Light && (is_on(word) || is_off(word));
         let (name, body) = match value.split_once(": ").filter(|_| flag.has_body()) {
+            Some((name, word)) if is_switch(word) => (name, format!(", on = {}", is_on(word))),
             Some((name, body)) => (name, format!(", {body}")),
             None => (value, String::new()),
         };
@@ -130,6 +134,27 @@ impl EditSheet {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lights_are_switched_by_one_word() {
+        for (word, is_on) in [("on", true), ("off", false), ("OFF", false), (" On ", true)] {
+            let sheet = EditSheet::of_flag(Flag::Light, &format!("bulb: {word}")).unwrap();
+            let light = sheet.raw.lights[0].get_ref();
+            assert_eq!((light.name.as_str(), light.on), ("bulb", Some(is_on)));
+        }
+        // Only lights are, and only in edit files.
+        assert!(EditSheet::of_flag(Flag::Repaint, "floor: off").is_err());
+        let of_light = |body: &str| {
+            let sheet = EditSheet::of_flag(Flag::Light, &format!("bulb: {body}")).unwrap();
+            sheet.raw.lights[0].get_ref().edit()
+        };
+        assert_eq!(of_light("off").unwrap(), of_light("scale = 0").unwrap());
+        assert_eq!(of_light("on").unwrap(), of_light("scale = 1").unwrap());
+        assert!(of_light("on = false, strength = 3").is_err());
+        assert!(
+            of_light("on = true, add = \"point\", position = [0, 0, 0], strength = 3").is_err()
+        );
+    }
 
     #[test]
     fn flags_are_lines_of_the_file() {

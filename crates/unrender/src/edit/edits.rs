@@ -1,8 +1,7 @@
 //! Converts the tables of edit files to edits, in their order.
 
-use super::developed::Photograph;
 use super::edit_sheet::EditSheet;
-use super::remove::RawRemove;
+use super::start::Start;
 use super::written::Written;
 use crate::Error;
 use crate::lighting::{RawEnvironment, RawLight};
@@ -14,34 +13,34 @@ use unrender_scene::Warnings;
 /// An edit, and the name of its place in messages.
 type Placed = (String, Edit);
 
-/// The edits of all `sheets`, for the scene that `photograph` shows: first removals, then repaints, lights and
-/// insertions.
+/// The edits of `start` by all `sheets`: first removals, then repaints, lights and insertions.
 pub(super) fn all(
     sheets: &[EditSheet],
-    photograph: Option<&Photograph>,
+    start: &Start,
     warnings: &mut Warnings,
 ) -> Result<Vec<Placed>, Error> {
     let mut edits = Vec::new();
     let mut notes = Warnings::default();
     for sheet in sheets {
-        collect(sheet, &sheet.raw.remove, &mut edits, &mut RawRemove::edit)?;
+        collect(sheet, &sheet.raw.remove, &mut edits, &mut |raw| raw.edit().map(Some))?;
     }
     for sheet in sheets {
         collect(sheet, &sheet.raw.repaint, &mut edits, &mut |raw| {
-            raw.edit(&sheet.written, &mut notes)
+            raw.edit(&sheet.written, &mut notes).map(Some)
         })?;
     }
     for sheet in sheets {
-        collect(sheet, &sheet.raw.lights, &mut edits, &mut light)?;
+        collect(sheet, &sheet.raw.lights, &mut edits, &mut |raw| light(raw, start))?;
     }
     for sheet in sheets {
         collect(sheet, sheet.raw.environment.as_slice(), &mut edits, &mut |raw| {
-            surround(raw, &sheet.written, &mut notes)
+            surround(raw, &sheet.written, &mut notes).map(Some)
         })?;
     }
     for sheet in sheets {
         collect(sheet, &sheet.raw.insert, &mut edits, &mut |raw| {
-            raw.edit(&sheet.written, photograph, &mut notes)
+            raw.edit(&sheet.written, (&start.scene, start.photograph.as_ref()), &mut notes)
+                .map(Some)
         })?;
     }
     warnings.extend(notes);
@@ -52,18 +51,19 @@ fn collect<T>(
     sheet: &EditSheet,
     raw: &[Spanned<T>],
     edits: &mut Vec<Placed>,
-    understand: &mut dyn FnMut(&T) -> Result<Edit, String>,
+    understand: &mut dyn FnMut(&T) -> Result<Option<Edit>, String>,
 ) -> Result<(), Error> {
     for written in raw {
         let place = sheet.written.place(written.span());
-        let edit = understand(written.get_ref())
+        let found = understand(written.get_ref())
             .map_err(|problem| Error::Request(format!("{place}: {problem}")))?;
-        edits.push((place, edit));
+        edits.extend(found.into_iter().map(|edit| (place.clone(), edit)));
     }
     Ok(())
 }
 
-fn light(raw: &RawLight) -> Result<Edit, String> {
+/// None if it switches a light off that is off.
+fn light(raw: &RawLight, start: &Start) -> Result<Option<Edit>, String> {
     if raw.unknown.is_some() {
         return Err(
             "unknown is a key of project files only, where brightness can be recovered".into()
@@ -74,7 +74,9 @@ fn light(raw: &RawLight) -> Result<Edit, String> {
                     strength = [r, g, b] gives a light its colour"
             .into());
     }
-    Ok(Edit::Light(raw.edit()?))
+    let edit = raw.edit()?;
+    let is_off = raw.on == Some(false) && start.switched_off(&raw.name).is_some();
+    Ok((!is_off).then_some(Edit::Light(edit)))
 }
 
 fn surround(raw: &RawEnvironment, written: &Written, notes: &mut Warnings) -> Result<Edit, String> {

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use unrender_formats::Input;
 use unrender_restage::Edit;
 use unrender_restage::insert::{Insert, Place};
-use unrender_scene::Warnings;
+use unrender_scene::{Scene, Warnings};
 
 /// One entry as in TOML.
 #[derive(Debug, Deserialize)]
@@ -29,16 +29,17 @@ pub(super) struct RawInsert {
 }
 
 impl RawInsert {
-    /// The edit of this entry; reads the model.
+    /// The edit of `scene`, which `photograph` shows, by this entry; reads the model.
     pub(super) fn edit(
         &self,
         written: &Written,
-        photograph: Option<&Photograph>,
+        (scene, photograph): (&Scene, Option<&Photograph>),
         notes: &mut Warnings,
     ) -> Result<Edit, String> {
         let path = written.path(&self.file);
-        let (model, warnings) = unrender_formats::load_model(Input::new(&path, written.limits))
-            .map_err(|error| error.to_string())?;
+        let input = Input::new(&path, written.limits).with_brdf(scene.brdf);
+        let (model, warnings) =
+            unrender_formats::load_model(input).map_err(|error| error.to_string())?;
         notes.extend(warnings);
         let stem = || self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let turn = self.rotation_deg.map_or(Vec3::ZERO, |turn| turn.0.map(f32::to_radians));

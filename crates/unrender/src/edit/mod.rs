@@ -55,9 +55,9 @@ impl Restaging {
     /// If a file cannot be used, or an edit does not fit the scene; the message names the line.
     pub fn load(sheets: &[EditSheet]) -> Result<Self, Error> {
         let (start, mut warnings) = Start::load(sheets)?;
-        let edits = edits::all(sheets, start.photograph.as_ref(), &mut warnings)?;
+        let edits = edits::all(sheets, &start, &mut warnings)?;
         let (places, edits): (Vec<String>, Vec<Edit>) = edits.into_iter().unzip();
-        let mut after = start.scene.clone();
+        let mut after = start.switched(sheets);
         let mut change = unrender_restage::apply(&mut after, &edits).map_err(|error| {
             Error::Request(format!("{}: {}", places[error.edit], error.problem))
         })?;

@@ -3,6 +3,7 @@
 use super::developed::Photograph;
 use super::edit_sheet::EditSheet;
 use crate::project::CameraTable;
+use crate::result_folder::MATERIALS;
 use crate::{Error, Job, Project, job, result_folder, run};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -19,6 +20,8 @@ pub struct Start {
     pub path: PathBuf,
     /// The photograph of it.
     pub photograph: Option<Photograph>,
+    /// The lights that were off in the photograph, as the scene numbers its sources, and their strength when on.
+    pub off: Vec<(usize, Rgb)>,
 }
 
 /// The path that `sheets` give for a key, and the name of its place in messages.
@@ -49,7 +52,8 @@ impl Start {
         if let Some((folder, ..)) = &recovered {
             result_folder::check(folder)?;
         }
-        let of_recovery = recovered.as_ref().map(|(folder, ..)| folder.join("materials.json"));
+        let of_recovery = recovered.as_ref().map(|(folder, ..)| folder.join(MATERIALS));
+        let own = own.as_deref().map(result_folder::materials).transpose()?;
         let materials = own.or(of_recovery);
         if let (Some(_), Some((.., place))) = (&project, &scene) {
             return Err(Error::Request(format!(
@@ -87,6 +91,30 @@ impl Start {
         Ok((start, warnings))
     }
 
+    /// The strength of the light called `name` when it is on, and its number as a source of the scene, if it was off in
+    /// the photograph.
+    pub(super) fn switched_off(&self, name: &str) -> Option<(usize, Rgb)> {
+        let is_called = |source: usize| match self.scene.groups.get(source) {
+            Some(group) => group.name == name,
+            None => self.scene.lights[source - self.scene.groups.len()].name == name,
+        };
+        self.off.iter().copied().find(|(source, _)| is_called(*source))
+    }
+
+    /// The scene, with those of the lights that were off in the photograph on that `sheets` switch on.
+    pub(super) fn switched(&self, sheets: &[EditSheet]) -> Scene {
+        let mut scene = self.scene.clone();
+        let lights = sheets.iter().flat_map(|sheet| &sheet.raw.lights).map(Spanned::get_ref);
+        for light in lights.filter(|light| light.on == Some(true)) {
+            if let Some((source, strength)) = self.switched_off(&light.name)
+                && let Some(of_scene) = scene.strength_mut(source)
+            {
+                *of_scene = strength;
+            }
+        }
+        scene
+    }
+
     /// The scene in a file, or the one that is `given` instead.
     fn of_scene(
         source: Input<'_>,
@@ -103,7 +131,7 @@ impl Start {
             warnings.extend(materials::apply_from(materials, &mut scene)?);
         }
         warnings.extend(job::validate(&mut scene, path)?);
-        Ok((Self { scene, path: path.to_owned(), photograph: None }, warnings))
+        Ok((Self { scene, path: path.to_owned(), photograph: None, off: Vec::new() }, warnings))
     }
 
     fn of_project(
@@ -133,7 +161,11 @@ impl Start {
             warnings.extend(materials::apply_from(input, &mut scene)?);
             found = materials::read(input)?.exposure.map(Rgb::from_array);
         }
-        off.iter().for_each(|source| scene.scale_source(*source as usize, Rgb::ZERO));
+        let mut switched = Vec::new();
+        for source in off.into_iter().map(|source| source as usize) {
+            switched.extend(scene.strength_mut(source).map(|strength| (source, *strength)));
+            scene.scale_source(source, Rgb::ZERO);
+        }
         if project.exposure == Exposure::Auto {
             let found = found.ok_or_else(|| {
                 FileError::new(path, "exposure is \"auto\"; name the recovery that found it")
@@ -151,6 +183,9 @@ impl Start {
             camera = Camera { aspect: camera.aspect, ..used.camera(&camera.name, scene.origin) };
         }
         let photograph = Photograph { picture, photo, transfer, camera };
-        Ok((Self { scene, path: project.scene, photograph: Some(photograph) }, warnings))
+        Ok((
+            Self { scene, path: project.scene, photograph: Some(photograph), off: switched },
+            warnings,
+        ))
     }
 }

@@ -27,9 +27,10 @@ pub(crate) use rungs::up_to;
 pub use taken::{Switched, Taken};
 
 use crate::lighting::EnvironmentChoice;
+use crate::text_file;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use unrender_formats::{FileError, Input, LightUnits, Limits, input};
+use unrender_formats::{FileError, Input, LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::{Expected, Thresholds};
 use unrender_restage::light::LightEdit;
@@ -141,7 +142,7 @@ impl Project {
     /// If the file is missing, is not TOML, has an unknown key or an invalid value, or names a file
     /// that does not exist.
     pub fn read(path: &Path) -> Result<(Self, Warnings), FileError> {
-        let text = input::text(path).map_err(|error| FileError::because(path, "", error))?;
+        let text = text_file::read(path, text_file::Expected::Project)?;
         let (project, warnings) = Self::parse(path, &text)?;
         for (key, file) in project.files() {
             if !file.is_file() {

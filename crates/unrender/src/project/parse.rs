@@ -206,6 +206,11 @@ fn light_edits(list: &[RawLight]) -> Result<Vec<LightEdit>, String> {
         if edits.iter().any(|edit| edit.name == *name) {
             return Err(fault("the list [[lights]] has this name twice; put both into one"));
         }
+        if raw.on.is_some() {
+            return Err(fault(
+                "on is a key of edit files; lights_off in [[photos]] states which lights were off, or scale = 0",
+            ));
+        }
         if raw.remove && raw.unknown.is_some() {
             return Err(fault("a light that is removed has no brightness; leave out unknown"));
         }

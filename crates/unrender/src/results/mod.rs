@@ -18,7 +18,7 @@ pub(crate) use summary::summary;
 
 use crate::check::uvs;
 use crate::engine::Recovered;
-use crate::listener::Console;
+use crate::result_folder::MATERIALS;
 use crate::run::{Pictures, Run};
 use crate::{Error, Job, report};
 use std::path::Path;
@@ -39,7 +39,7 @@ const REPORT_FOLDER: &str = "report";
 /// Whether [`write`] may write a file of this name, relative to its folder.
 pub(crate) fn writes(name: &str) -> bool {
     let numbered = |rest: &str| rest.starts_with(|c: char| c.is_ascii_digit());
-    ["materials.json", "run.json", "report.html", "scene.glb", "manifest.json"].contains(&name)
+    [MATERIALS, "run.json", "report.html", "scene.glb", "manifest.json"].contains(&name)
         || is_picture(name)
         || ["error", "group"].iter().any(|stem| name.starts_with(stem) && name.ends_with(".png"))
         || name.strip_prefix("texture_").is_some_and(numbered)
@@ -55,12 +55,12 @@ fn is_picture(name: &str) -> bool {
     is_number && is_kind && (extension == "png" || (kind, extension) == ("rerendered", "exr"))
 }
 
-/// Writes all files of a recovery into `folder`, which exists, and returns its run.json.
+/// Writes all files of a recovery into `folder`, which exists, and returns its run.json. New warnings go to `warn`.
 pub(crate) fn write(
     job: &Job,
     recovered: &Recovered,
     folder: &Path,
-    console: &Console,
+    warn: &dyn Fn(&Warnings),
 ) -> Result<Run, Error> {
     crate::output::prepare_folder(&folder.join(REPORT_FOLDER))?;
     let recovery = &recovered.recovery;
@@ -83,19 +83,19 @@ pub(crate) fn write(
         }
     }
     dark::doubt(&recovery.groups).into_iter().for_each(|doubt| doubts.push(doubt));
-    console.warn(&doubts);
+    warn(&doubts);
     warnings.extend(doubts);
     if bad > 0 {
         let noted = format!("{bad} value(s) were not finite numbers and were written as zero");
         let mut late = Warnings::default();
         late.push(noted);
-        console.warn(&late);
+        warn(&late);
         warnings.extend(late);
     }
     let run = run_file::build(job, recovered, &file, (pictures, balls), warnings);
     run.write(folder)?;
     report::write(folder)?;
-    materials::write(&folder.join("materials.json"), &file)?;
+    materials::write(&folder.join(MATERIALS), &file)?;
     Ok(run)
 }
 

@@ -1,6 +1,7 @@
 //! Exit codes and messages of the `unrender` command.
 
-use crate::kit::folder::{Folder, command, fails};
+use crate::kit::floor_and_lamp;
+use crate::kit::folder::{Folder, command, ends_in_error, fails, succeeds};
 use serde_json::json;
 use std::ffi::OsStr;
 use std::path::Path;
@@ -30,6 +31,89 @@ fn missing_files_are_named() {
     let scene = folder.path("no.glb");
     fails(&unrender(&[&"render", &scene, &"--out", &out]), "no.glb");
     fails(&unrender(&[&"score", &folder.root(), &"truth.json"]), "materials.json");
+}
+
+#[test]
+fn what_is_no_project_is_named_as_what_it_is() {
+    let folder = Folder::new();
+    let photo = folder.path("photo.exr");
+    picture::write(&photo, &Image::from_fn(8, 8, |_, _| Rgb::ONE)).unwrap();
+    std::fs::copy(&photo, folder.path("photo")).unwrap();
+    folder.write("raw.heic", b"\0\0\0\x18ftypheic\0\0\0\0");
+    for scene in ["room.glb", "room.obj", "room.XML"] {
+        folder.write(scene, "");
+    }
+    let out = folder.path("out");
+    for (name, what) in [
+        ("photo.exr", "a picture"),
+        ("photo", "a picture"),
+        ("raw.heic", "a picture"),
+        ("room.glb", "a scene"),
+        ("room.obj", "a scene"),
+        ("room.XML", "a scene"),
+        ("", "a folder"),
+    ] {
+        let path = folder.root().join(name);
+        let told = format!("is {what}; expected a project file");
+        fails(&recover(&path, &out), &told);
+        fails(&unrender(&[&"check", &path, &"--out", &folder.path("c.png")]), &told);
+        let told = format!("is {what}; expected an edit file");
+        fails(&unrender(&[&"restage", &path, &"--out", &out]), &told);
+        assert!(!out.exists() && !folder.path("c.png").exists());
+    }
+    folder.write("room.toml", PROJECT);
+    fails(&recover(folder.root(), &out), "did you mean ");
+}
+
+#[test]
+fn a_photograph_of_what_gets_no_light_is_refused_before_any_work() {
+    let folder = floor_and_lamp::project();
+    let seen_from = |eye: &str, target: &str| {
+        let camera = format!("camera = {{ eye = {eye}, target = {target}, fov_y_deg = 40 }}\n");
+        let project = folder.write("dark.toml", &(folder.text("p.toml") + &camera));
+        let out = folder.path("dark");
+        let output = recover(&project, &out);
+        assert!(output.status.success() || !out.exists());
+        output
+    };
+    // From below, where the lamp does not shine; along the floor's lower side, as where another axis is up.
+    for (eye, target) in [("[0, -1, 1]", "[0, 0, 0]"), ("[0.2, -2, 0.1]", "[0, 0, 0]")] {
+        ends_in_error(
+            &seen_from(eye, target),
+            "no light of the scene reaches what the camera sees (\"floor\")",
+        );
+    }
+    succeeds(&seen_from("[0, 1.4, 2]", "[0, 0, 0]"));
+}
+
+#[test]
+fn materials_are_a_file_or_the_folder_of_a_result() {
+    let folder = floor_and_lamp::project();
+    succeeds(
+        &folder.run(&["recover", "p.toml", "--effort", "draft", "--quiet", "--out", "result"]),
+    );
+    let render = |materials: &str, out: &str| {
+        let arguments = ["render", "scene.glb", "--height", "12", "--spp", "2", "--quiet"];
+        let output =
+            folder.run(&[&arguments[..], &["--materials", materials, "--out", out]].concat());
+        succeeds(&output);
+        folder.bytes(out)
+    };
+    let by_folder = render("result", "folder.exr");
+    assert_eq!(by_folder, render("result/materials.json", "file.exr"));
+    succeeds(&folder.run(&["score", "result", "result/materials.json"]));
+    let edited =
+        ["restage", "--scene", "scene.glb", "--materials", "result", "--spp", "1", "--quiet"];
+    succeeds(&folder.run(&[&edited[..], &["--height", "8", "--out", "edited"]].concat()));
+    let export =
+        ["export", "--scene", "scene.glb", "--materials", "result", "--to", "gltf", "--quiet"];
+    succeeds(&folder.run(&[&export[..], &["--out", "exported.glb"]].concat()));
+    // Files of two runs are no result.
+    folder.write("result/materials.json", "{\"groups\": {}}");
+    let output = folder.run(&["render", "scene.glb", "--materials", "result", "--out", "no.png"]);
+    fails(&output, "changed since they were written");
+    let output = folder.run(&["render", "scene.glb", "--materials", "nowhere", "--out", "no.png"]);
+    fails(&output, "nowhere: cannot be read");
 }
 
 #[test]

@@ -357,3 +357,25 @@ fn bad_edits_are_told_with_their_line() {
     let said = stderr(&output);
     assert!(said.contains("c.toml: line 2: a composite is seen by"), "{said}");
 }
+
+/// An OBJ of a glossy tile, whose material states no BRDF model, as those of modelling programs.
+fn glossy_tile(folder: &Folder) {
+    folder.write("tile.mtl", "newmtl gloss\nKd 0.3 0.3 0.3\nKs 0.2 0.2 0.2\nNs 90\n");
+    let tile = "mtllib tile.mtl\nv 0 0 0\nv 0.2 0 0\nv 0 0 -0.2\nusemtl gloss\nf 1 2 3\n";
+    folder.write("tile.obj", tile);
+}
+
+#[test]
+fn a_model_that_states_no_lobe_takes_the_lobe_of_the_scene_without_a_word() {
+    let folder = Stage::new();
+    glossy_tile(&folder);
+    for lobe in ["ggx", "ward-gmd"] {
+        folder.write("materials.json", &format!("{{\"brdf\": \"{lobe}\", \"groups\": {{}}}}"));
+        let text = "scene = \"scene.glb\"\nmaterials = \"materials.json\"\n[[insert]]\nfile = \"tile.obj\"\n\
+            on = \"floor\"\nat = [0.5, 0.4]\n";
+        folder.write("e.toml", text);
+        let output = folder.restage(&["e.toml", "--spp", "1", "--height", "8", "--out", lobe]);
+        succeeds(&output);
+        assert_eq!(stderr(&output), "");
+    }
+}

@@ -202,17 +202,23 @@ fn lamps_that_were_off_are_off_in_a_restaged_picture() {
     );
     let text = std::fs::read_to_string(folder.path("project.toml")).unwrap();
     folder.write("lit.toml", &text.replace("lights_off = [\"lamp\"]\n", ""));
-    let restaged = |project: &str| {
+    let restaged = |(project, lights): (&str, &[&str])| {
         folder.write("edit.toml", &format!("project = \"{project}.toml\"\n"));
-        let out = folder.path(project);
+        let out = folder.path(&format!("{project}{}", lights.len()));
         let mut restage = Command::new(env!("CARGO_BIN_EXE_unrender"));
         restage.arg("restage").arg(folder.path("edit.toml"));
+        lights.iter().for_each(|light| {
+            restage.args(["--light", light]);
+        });
         let status = restage.args(["--spp", "8", "--quiet", "--out"]).arg(&out).status().unwrap();
         assert!(status.success());
         mean(&picture::read(&out.join("synthetic.exr")).unwrap().0.values)
     };
-    let [evening, lit] = ["project", "lit"].map(restaged);
+    let [evening, lit] = [("project", &[][..]), ("lit", &[])].map(restaged);
     assert!(evening < 0.6 * lit, "{evening} of {lit}");
+    // One that was off is as bright as in the scene when it is switched on; one that is on stays so.
+    assert_eq!(restaged(("project", &["lamp: on", "spare: on"])), lit);
+    assert_eq!(restaged(("lit", &["lamp: off"])), evening);
 }
 
 #[test]

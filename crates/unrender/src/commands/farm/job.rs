@@ -4,9 +4,9 @@
 //! parts, `unrender merge`. Samples are numbered, and their sums exact integers, so the picture does
 //! not depend on the cuts.
 
-use crate::Error;
 use crate::commands::render;
 use crate::global::Global;
+use crate::{Error, result_folder};
 use std::ops::Range;
 use std::path::{Path, PathBuf, absolute};
 use unrender_formats::FileError;
@@ -100,7 +100,9 @@ fn words(args: &render::Args, global: &Global) -> Result<Vec<Word>, Error> {
     };
     input("", "Scene", &args.scene)?;
     input("--project", "Project", &args.project)?;
-    input("--materials", "Materials", &args.materials)?;
+    // Tasks are given files.
+    let materials = args.materials.as_deref().map(result_folder::materials).transpose()?;
+    input("--materials", "Materials", &materials)?;
     input("--environment", "Environment", &args.environment)?;
     let sampling = &args.sampling;
     let is_lit = args.environment.is_some();

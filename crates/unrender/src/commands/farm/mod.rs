@@ -23,7 +23,7 @@ use unrender_formats::{FileError, atomic};
 #[command(after_help = "Examples:\n  \
     unrender farm room.glb --spp 4096 --out room.exr --to slurm\n  \
     bash room_job/job.sh --cpus-per-task=16\n  \
-    unrender farm --project room.toml --materials out/materials.json --spp 4096 --out room.exr \\\n      \
+    unrender farm --project room.toml --materials out --spp 4096 --out room.exr \\\n      \
     --to openjd --parts 64 --job room_job\n  \
     openjd run room_job/template.json -p file://room_job/parameters.json")]
 // The flags of `render` are a group of the same name.
