@@ -47,11 +47,10 @@ impl Kind {
         }
         let mut beginning = Vec::new();
         File::open(path).ok()?.take(BEGINNING).read_to_end(&mut beginning).ok()?;
-        match () {
-            () if beginning.starts_with(b"glTF") => Some(Self::Scene),
-            () if picture::is_picture(&beginning) => Some(Self::Picture),
-            () => None,
+        if beginning.starts_with(b"glTF") {
+            return Some(Self::Scene);
         }
+        picture::is_picture(&beginning).then_some(Self::Picture)
     }
 }
 

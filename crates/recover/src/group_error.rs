@@ -49,14 +49,16 @@ const NOISE_MIN: f64 = 0.006;
 /// An error is known well enough if noise alone would look like one of this size: half of what is doubtful. Half of
 /// it takes four times the paths; at double noise alone makes right groups doubtful.
 const KNOWN: f64 = 0.5 * DOUBTFUL;
-/// Where it is not, at most so many pixels of the group are rendered anew: the same number of paths knows the error better
-/// in fewer pixels. With half of them the photograph's noise hides it; double of it takes twice as long.
+/// Where it is not, at most so many pixels of the group are rendered anew. Of as many paths, fewer pixels with more paths
+/// each know the error better, as the rendering's part of its deviation falls with the paths of a pixel and only the root
+/// of the pixels. At half of it the photograph's part is 1.4 times as large; double of it takes twice the paths.
 const PIXELS: usize = 400;
-/// Paths a pixel at first, and so many times as many each time that this helps.
+/// Paths a pixel at first. Half of it is hardly more than the 16 of a draft's last picture; double of it wastes paths where
+/// the photograph's noise decides.
 const SPP: u32 = 32;
-/// As above.
+/// So many times as many paths each time that this helps. Half of it needs twice the rounds, double of it overshoots.
 const MORE: u32 = 4;
-/// At most so often: 512 paths a pixel in the end.
+/// Rounds at most: 512 paths a pixel in the end. Without a limit a lamp that is hardly ever found would never end.
 const TIMES: u32 = 3;
 /// More paths help if they lower the noise below this share: a quarter where it is the rendering's alone, all of it where
 /// it is the photograph's.
@@ -143,13 +145,14 @@ impl Squares {
         let mut squares = Self { error: 0.0, deviation: 0.0, noise: 0.0, photo: 0.0 };
         let mut products = Vec::new();
         for (pixel, [a, b]) in rendered {
-            let photo = state.exposure * state.value(pixel as usize);
+            let photo = (state.exposure * state.value(pixel as usize)).as_dvec3();
             let noise = state.observation.noise(group, pixel, state.exposure);
-            let noise = noise.variance(0.5 * (a + b));
-            products.push(f64::from(((photo - a) * (photo - b) - noise).element_sum()));
+            let noise = noise.variance(0.5 * (a + b)).as_dvec3();
+            let [a, b] = [a, b].map(|half| half.as_dvec3());
+            products.push(((photo - a) * (photo - b) - noise).element_sum());
             let rendering = 0.25 * (a - b) * (a - b);
-            squares.noise += f64::from((noise + rendering).element_sum());
-            squares.photo += f64::from((photo * photo).element_sum());
+            squares.noise += (noise + rendering).element_sum();
+            squares.photo += (photo * photo).element_sum();
         }
         squares.error = products.iter().sum();
         squares.deviation = deviation_of_sum(&products);
@@ -168,10 +171,11 @@ impl Squares {
         self.deviation <= KNOWN * KNOWN * self.photo
     }
 
-    /// The relative root mean square; where it is not significant, its standard deviation.
-    /// None where no pixel shows the group.
+    /// The relative root mean square; where it is not significant, its standard deviation; infinite where a radiance is no
+    /// finite number. None where no pixel shows the group.
     pub(crate) fn relative(&self) -> Option<f64> {
         let square = self.error.max(self.deviation).max(0.0);
+        let square = if self.error.is_finite() { square } else { f64::INFINITY };
         (self.photo > 0.0).then(|| (square / self.photo).sqrt())
     }
 
@@ -224,6 +228,7 @@ mod tests {
         };
         assert!(doubts(0.32, 0.001) && doubts(0.17, 0.001) && doubts(0.17, 0.02));
         assert!(doubts(0.0, 0.25), "it is reported as 50 %");
+        assert!(doubts(f64::NAN, 0.0) && doubts(f64::INFINITY, 0.001), "it is no number");
         assert!(!doubts(0.14, 0.001));
     }
 }

@@ -9,8 +9,8 @@ use crate::state::State;
 use unrender_render::ProbeSettings;
 use unrender_render::sampler::mix;
 
-/// Pixels of each group in which the light is looked for: a few, and many where these are dark. At half or double of them
-/// the same groups are dark in the rooms of the corpus and among the everyday mistakes.
+/// Pixels of each group in which the light is looked for: a few, and many where these are dark. Light that reaches a
+/// hundredth of a group is missed by 256 in one case of thirteen, by half of them in one of four, by double in one of 170.
 const PIXELS: [usize; 2] = [16, 256];
 /// Directions in each pixel, and as many towards the lamps. A surface that so many paths find dark is dark to the recovery,
 /// too, which looks no harder.

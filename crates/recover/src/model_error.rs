@@ -62,8 +62,8 @@ pub fn level2(mean: Rgb, local: Rgb) -> Rgb {
 const BRIGHTER: f32 = 2.0;
 
 /// Levels are at least this share of the brighter one of model and photograph: where one is black, an error is still
-/// relative to something. An eighth of the first code of 8 bits beside white; at half or double of it, the squares of
-/// single precision hold its inverse as well.
+/// relative to something. A third of the first code of sRGB beside white, so that no
+/// photograph of 8 bits shows less; the inverse of its square, 10^8, leaves single precision thirty digits.
 pub(crate) const FAINTEST: f32 = 1e-4;
 
 /// A group's mean and local `light`, limited for levels and noise by the mean and local light that

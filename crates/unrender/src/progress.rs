@@ -19,8 +19,8 @@ const BAR_STEPS: u64 = 1000;
 /// No remaining time is told before this share is done: a recovery of 39 s was said to take 750 s longer at 0.4 %, 460 s at
 /// 1 % and 99 s at 4 %. At half of it hundreds of seconds may still be told; double was not tried.
 const FORESEEABLE: f64 = 0.05;
-/// So many seconds of work count as if an ordinary machine had done them. At half of it the first steps, which take
-/// longer or shorter than others, count too much; at double a slow machine is taken for an ordinary one for ten seconds.
+/// So many seconds of work count as if an ordinary machine had done them: a machine of a quarter of its speed is taken for
+/// one of half of it after four seconds, at half of this after two, at double after eight.
 const ORDINARY: f64 = 3.0;
 
 /// Shows the progress of one piece of work; any thread may report it.

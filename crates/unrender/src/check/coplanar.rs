@@ -5,17 +5,17 @@
 //! of all other groups. A box that stands on the floor does no harm: nothing sees its lower side.
 
 use super::lights::{SurfacePoint, area, is_free, spread_over};
-use super::{length, some};
+use super::{length, some, surface_behind};
 use crate::Job;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use unrender_render::accel::{Ray, offset};
+use unrender_render::accel::offset;
 use unrender_render::{GeometryBuffers, NOTHING, Tracer};
 use unrender_scene::{Camera, Object, Scene, Warnings};
 
-/// Points of each object that are examined. An overlap of less than an eighth of an object may be missed at half of
-/// it; double of it takes twice as long.
+/// Points of each object that are examined: an overlap of a sixteenth of it has four on average. At half of it, two, and
+/// many are missed; double of it takes twice as long.
 const POINTS: usize = 64;
 /// So many points of two objects have to agree: one may lie where three surfaces meet.
 const AGREE: usize = 2;
@@ -67,13 +67,15 @@ pub(crate) fn warnings(
     let name = |object: &usize| scene.objects[*object].name.as_str();
     for (large, (small, offset)) in &behind {
         let names: Vec<&str> = small.iter().map(name).collect();
-        let (lies, it) = if let [_] = names[..] { ("lies", "it") } else { ("lie", "them") };
+        let [lie, overlap, it] = match names[..] {
+            [_] => ["lies", "overlaps", "it"],
+            _ => ["lie", "overlap", "them"],
+        };
         warnings.push(format!(
-            "{} {lies} in the plane of \"{}\" and overlap{} it: which of them is seen and gets light is random, and light \
-             is lost. Move {it} out by {} or more, or cut the other one away there",
+            "{} {lie} in the plane of \"{}\" and {overlap} it: which of them is seen and gets light is random, and light is \
+             lost. Move {it} out by {} or more, or cut the other one away there",
             some(&names),
             name(large),
-            if lies == "lies" { "s" } else { "" },
             length(APART * offset),
         ));
     }
@@ -89,9 +91,7 @@ fn seen(tracer: &Tracer, camera: &Camera, geometry: &GeometryBuffers) -> Vec<Sam
         pixels.entry(shown.object).or_default().push(pixel as u32);
     }
     let point = |pixel: u32| {
-        let (x, y) = (pixel as usize % width, pixel as usize / width);
-        let towards = camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);
-        let surface = tracer.surface(&Ray::new(camera.origin(), towards))?;
+        let surface = surface_behind(tracer, camera, (width, height), pixel)?;
         let (point, normal) = (surface.point, surface.geometric_normal);
         Some(Sample { point, normal, object: surface.object as usize })
     };

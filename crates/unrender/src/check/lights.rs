@@ -3,7 +3,7 @@
 //! Straight lines are tested from each light to points of the picture. If a light reaches none, or
 //! shines right onto something, rays around it find what is in its way.
 
-use super::{Subject, length};
+use super::{Subject, length, surface_behind};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
@@ -54,11 +54,7 @@ fn seen_points(subject: &Subject<'_>) -> Vec<SurfacePoint> {
     let (width, height) = (geometry.width(), geometry.height());
     let is_seen = |i: &u32| geometry.pixels()[*i as usize].object != NOTHING;
     let pixels: Vec<u32> = (0..(width * height) as u32).filter(is_seen).collect();
-    let point = |pixel: u32| {
-        let (x, y) = (pixel as usize % width, pixel as usize / width);
-        let towards = camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);
-        subject.tracer.surface(&Ray::new(camera.origin(), towards))
-    };
+    let point = |pixel: u32| surface_behind(subject.tracer, camera, (width, height), pixel);
     let sample = unrender_recover::blocks::spread(&pixels, POINTS, 0);
     let surfaces = sample.into_iter().filter_map(point);
     surfaces.map(|s| (offset(s.point, s.geometric_normal), s.geometric_normal)).collect()

@@ -29,9 +29,11 @@ use glam::Vec3;
 use identifiability::{Identifiability, identifiability};
 use unrender_recover::evidence::Stage;
 use unrender_recover::{GroupSpec, Observation, PixelStatus, Role, View};
+use unrender_render::accel::Ray;
+use unrender_render::surface::Surface;
 use unrender_render::{GeometryBuffers, RadianceCache, Tracer};
 use unrender_scene::color::luminance;
-use unrender_scene::{Material, Rgb, Warnings};
+use unrender_scene::{Camera, Material, Rgb, Warnings};
 
 /// The findings.
 #[derive(Clone, Debug)]
@@ -164,6 +166,18 @@ fn prospects_among(
             .flatten()
     };
     specs.iter().enumerate().map(look).collect()
+}
+
+/// The surface behind the middle of a pixel.
+fn surface_behind(
+    tracer: &Tracer,
+    camera: &Camera,
+    (width, height): (usize, usize),
+    pixel: u32,
+) -> Option<Surface> {
+    let (x, y) = (pixel as usize % width, pixel as usize / width);
+    let towards = camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);
+    tracer.surface(&Ray::new(camera.origin(), towards))
 }
 
 /// `names` in a sentence, no more than a few of them.
