@@ -25,6 +25,7 @@ fn global() -> Global {
         quiet: true,
         threads: None,
         allow_outside: false,
+        allow_missing: false,
         input_memory: Some(0.25),
         console: Console::default(),
         scene: None,

@@ -19,7 +19,7 @@ use unrender::project::Project;
 use unrender::recover::{Covariance, IterationRecord, Quantity, Recovery, Termination};
 use unrender::scene::{ENVIRONMENT, Image};
 use unrender::{Error, engine};
-use unrender_formats::materials::{GroupEntry, MaterialsFile};
+use unrender_formats::materials::{GroupEntry, MaterialsFile, ReflectanceEntry};
 use unrender_formats::picture::{Depth, Picture};
 
 /// A recovery with its job.
@@ -163,6 +163,7 @@ fn sketch(names: &[String], record: &IterationRecord, how: &str) -> serde_json::
             hypothesis: Some(group.hypothesis),
             rho_d: Some(material.rho_d.to_array()),
             rho_s: Some(material.rho_s.to_array()),
+            reflectance: ReflectanceEntry::of(material),
             alpha_x: Some(material.alpha_x),
             alpha_y: Some(material.alpha_y),
             theta_deg: Some(material.theta_rad.to_degrees()),

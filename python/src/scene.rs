@@ -16,7 +16,7 @@ use unrender::scene::{
     Camera, Environment, Group, Lens, Light, LightKind, Material, Mesh, Object, Rgb, RgbImage,
     Texture, Wrap,
 };
-use unrender_formats::materials::{self, MaterialsFile};
+use unrender_formats::materials::{self, MaterialsFile, ReflectanceEntry};
 use unrender_formats::{FileError, Input, LightUnits, Limits, atomic, gltf};
 
 /// The meshes, groups, lights and cameras of a scene.
@@ -65,9 +65,10 @@ impl Scene {
         path: PathBuf,
         light_units: Option<&str>,
         allow_outside: bool,
+        allow_missing: bool,
     ) -> PyResult<(Self, Vec<String>)> {
         let units = light_units.map(str::parse::<LightUnits>).transpose().map_err(request)?;
-        let limits = Limits { outside: allow_outside, ..Limits::default() };
+        let limits = Limits { outside: allow_outside, missing: allow_missing, ..Limits::default() };
         let input = || Input::new(&path, limits).in_light_units(units);
         let read = py.detach(|| unrender_formats::load_model(input()));
         let (scene, warnings) = read.map_err(|error| exception(py, &Error::File(error)))?;
@@ -99,11 +100,18 @@ impl Scene {
         let scene = self.plain();
         let group = |group: &Group| {
             let m = &group.material;
-            json!({
+            let mut json = json!({
                 "name": group.name, "rho_d": m.rho_d.to_array(), "rho_s": m.rho_s.to_array(),
                 "alpha_x": m.alpha_x, "alpha_y": m.alpha_y, "theta_deg": m.theta_rad.to_degrees(),
                 "textured": m.texture.is_some(), "emission": group.emission.to_array(),
-            })
+            });
+            // Absent for a free reflectance.
+            if let (Some(all), Value::Object(of_lobe)) =
+                (json.as_object_mut(), json!(ReflectanceEntry::of(m)))
+            {
+                all.extend(of_lobe);
+            }
+            json
         };
         let object = |o: &Object| {
             json!({
@@ -283,12 +291,11 @@ fn built(value: &Value, meshes: &[MeshArrays<'_>]) -> PyResult<plain::Scene> {
     for group in list("groups") {
         let theta_rad = number(&group, "theta_deg")?.to_radians();
         let material = Material {
-            rho_d: triple(&group, "rho_d")?.into(),
             rho_s: triple(&group, "rho_s")?.into(),
             alpha_x: number(&group, "alpha_x")?,
             alpha_y: number(&group, "alpha_y")?,
             theta_rad,
-            texture: None,
+            ..Material::diffuse(triple(&group, "rho_d")?.into())
         };
         let emission = triple(&group, "emission")?.into();
         scene.groups.push(Group { name: name(&group)?, material, emission });

@@ -36,7 +36,7 @@ ONLY_COMMAND = {"json", "help", "version", "quiet", "resume"}
 # They are about the command itself; Python has unrender.dask in place of `farm`.
 NO_VERBS = {"help", "completions", "farm", "man"}
 ONLY_PYTHON = {"progress", "cancel", "on_iteration"}
-GLOBAL = {"threads", "allow_outside", "input_memory"}
+GLOBAL = {"threads", "allow_outside", "allow_missing", "input_memory"}
 
 
 def described() -> dict[str, Any]:

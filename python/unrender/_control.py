@@ -132,6 +132,7 @@ def words(
     flags: Mapping[str, object] | None = None,
     allow_outside: bool = False,
     input_memory: float | None = None,
+    allow_missing: bool = False,
 ) -> list[str]:
     """The words of a command line.
 
@@ -139,7 +140,12 @@ def words(
     item of a list.
     """
     line = [command]
-    every = {**(flags or {}), "allow_outside": allow_outside, "input_memory": input_memory}
+    limits = {
+        "allow_outside": allow_outside,
+        "allow_missing": allow_missing,
+        "input_memory": input_memory,
+    }
+    every = {**(flags or {}), **limits}
     for name, value in every.items():
         flag = "--" + name.replace("_", "-")
         if value is None or value is False:

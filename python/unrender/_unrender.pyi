@@ -89,7 +89,7 @@ class Worker:
 class Scene:
     @staticmethod
     def read(
-        path: str, light_units: str | None, allow_outside: bool
+        path: str, light_units: str | None, allow_outside: bool, allow_missing: bool
     ) -> tuple[Scene, list[str]]: ...
     @staticmethod
     def build(

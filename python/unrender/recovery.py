@@ -332,6 +332,7 @@ def recover(
     cancel: CancelToken | None = None,
     threads: int | None = None,
     allow_outside: bool = False,
+    allow_missing: bool = False,
     input_memory: float | None = None,
 ) -> Recovery:
     """Recovers the materials of a project's groups from its photograph.
@@ -372,6 +373,7 @@ def recover(
             ``interrupted``.
         threads: How many threads to use; by default one per core.
         allow_outside: Whether scenes may name files outside their folder.
+        allow_missing: Whether a scene is read without the files that it names and that are missing.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
 
     Raises:
@@ -399,7 +401,7 @@ def recover(
     if isinstance(project, Project) and project.path is None:
         parts = ProjectParts(project)
     folder = None if out is None else os.fspath(out)
-    line = words("recover", [path], flags, allow_outside, input_memory)
+    line = words("recover", [path], flags, allow_outside, input_memory, allow_missing)
     with control(progress, cancel, threads) as controls:
         if on_iteration is not None:
             controls.hear = lambda text: on_iteration(_sketched(json.loads(text)).materials)

@@ -52,6 +52,7 @@ def render(
     cancel: CancelToken | None = None,
     threads: int | None = None,
     allow_outside: bool = False,
+    allow_missing: bool = False,
     input_memory: float | None = None,
 ) -> Picture:
     """Renders a scene, or the scene of a project.
@@ -97,6 +98,7 @@ def render(
         cancel: A token; when it is cancelled, the picture is returned with its samples so far.
         threads: How many threads to use; by default one per core.
         allow_outside: Whether scenes and materials may name files outside their folder.
+        allow_missing: Whether a scene is read without the files that it names and that are missing.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
 
     Returns:
@@ -131,7 +133,7 @@ def render(
     if isinstance(camera, Camera):
         if project is not None:
             raise RequestError("a project has its own camera; name one of its scene, or give a scene")
-        scene = _scene(scene, light_units, allow_outside).with_camera(camera)
+        scene = _scene(scene, light_units, allow_outside, allow_missing).with_camera(camera)
         flags["light_units"] = None
         flags["camera"] = camera.name
     else:
@@ -149,11 +151,11 @@ def render(
             # The command makes samples and light layers, from files.
             flags["materials"] = materials_file(materials, place / "materials.json")
             flags["out"] = os.fspath(out)
-            line = words("render", positional, flags, allow_outside, input_memory)
+            line = words("render", positional, flags, allow_outside, input_memory, allow_missing)
             return _written(line, inner, out, controls)
         parts = None if materials is None else Parts(_materials(materials))
         flags["out"] = f"{IN_MEMORY}.exr"
-        line = words("render", positional, flags, allow_outside, input_memory)
+        line = words("render", positional, flags, allow_outside, input_memory, allow_missing)
         return _rendered(line, (inner, parts), out, controls)
 
 
@@ -286,12 +288,16 @@ def _written(
     return read_picture(out)
 
 
-def _scene(scene: Scene | StrPath | None, light_units: str | None, allow_outside: bool) -> Scene:
+def _scene(
+    scene: Scene | StrPath | None, light_units: str | None, allow_outside: bool, allow_missing: bool
+) -> Scene:
     if isinstance(scene, Scene):
         return scene
     if scene is None:
         raise RequestError("give a scene")
-    return Scene.read(scene, light_units=light_units, allow_outside=allow_outside)
+    return Scene.read(
+        scene, light_units=light_units, allow_outside=allow_outside, allow_missing=allow_missing
+    )
 
 
 def _materials(value: Materials | Recovery | Mapping[str, Any] | StrPath) -> Materials:

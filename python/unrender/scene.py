@@ -259,7 +259,12 @@ class Scene:
 
     @classmethod
     def read(
-        cls, path: StrPath, *, light_units: str | None = None, allow_outside: bool = False
+        cls,
+        path: StrPath,
+        *,
+        light_units: str | None = None,
+        allow_outside: bool = False,
+        allow_missing: bool = False,
     ) -> Scene:
         """The scene in a file: glTF (.glb, .gltf), OBJ, Mitsuba 3 (.xml) or Radiance (.rad).
 
@@ -268,8 +273,11 @@ class Scene:
             light_units: The units of a glTF file's lights: "blender-standard", "unitless",
                 "blender-raw" or "radiometric"; by default as its generator writes them.
             allow_outside: Whether the file may name files outside its folder.
+            allow_missing: Whether the rest is read where files that it names are missing.
         """
-        inner, doubts = _unrender.Scene.read(os.fspath(path), light_units, allow_outside)
+        inner, doubts = _unrender.Scene.read(
+            os.fspath(path), light_units, allow_outside, allow_missing
+        )
         made = cls._of(inner)
         made.path = Path(path)
         cls._doubt(doubts)

@@ -75,6 +75,7 @@ def calibrate(
     name: str = "calibrated",
     out: StrPath | None = None,
     allow_outside: bool = False,
+    allow_missing: bool = False,
     input_memory: float | None = None,
 ) -> Calibration:
     """Finds the camera of a photograph from points of the scene that it shows.
@@ -96,6 +97,7 @@ def calibrate(
             camera in it (.glb); by default nothing is written. Data in memory are written beside a
             new project.
         allow_outside: Whether scenes may name files outside their folder.
+        allow_missing: Whether a scene is read without the files that it names and that are missing.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
 
     Raises:
@@ -128,7 +130,7 @@ def calibrate(
             "out": target,
         }
         positional: list[Any] = [] if photo is None else [photo]
-        line = words("calibrate", positional, flags, allow_outside, input_memory)
+        line = words("calibrate", positional, flags, allow_outside, input_memory, allow_missing)
         summary = _called(line, None, None, None)
         if made is not None and out is not None and target != Path(out):
             made.document["camera"] = Project.read(target).document["camera"]
@@ -190,6 +192,7 @@ def check(
     out: StrPath | None = None,
     threads: int | None = None,
     allow_outside: bool = False,
+    allow_missing: bool = False,
     input_memory: float | None = None,
 ) -> Checkup:
     """Checks a project before it is recovered, and says what to mend.
@@ -199,13 +202,14 @@ def check(
         out: A .png file for the picture of the model's edges; by default it is not written.
         threads: How many threads to use; by default one per core.
         allow_outside: Whether scenes may name files outside their folder.
+        allow_missing: Whether a scene is read without the files that it names and that are missing.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
     """
     with ExitStack() as stack:
         place = stack.enter_context(temporary())
         path = stack.enter_context(project_file(project))
         picture = place / "check.png" if out is None else Path(out)
-        line = words("check", [str(path)], {"out": picture, "json": True}, allow_outside, input_memory)
+        line = words("check", [str(path)], {"out": picture, "json": True}, allow_outside, input_memory, allow_missing)
         document = json.loads(_called(line, None, None, threads))
         return Checkup(document, read_picture(picture))
 
@@ -233,6 +237,7 @@ def plan(
     cancel: CancelToken | None = None,
     threads: int | None = None,
     allow_outside: bool = False,
+    allow_missing: bool = False,
     input_memory: float | None = None,
 ) -> Plan:
     """Suggests which photograph to take next, after a recovery.
@@ -246,13 +251,14 @@ def plan(
         cancel: A token; when it is cancelled, :class:`Cancelled` is raised.
         threads: How many threads to use; by default one per core.
         allow_outside: Whether scenes may name files outside their folder.
+        allow_missing: Whether a scene is read without the files that it names and that are missing.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
     """
     with ExitStack() as stack:
         path = stack.enter_context(project_file(project))
         folder = stack.enter_context(results_folder(recovered))
         flags = {"recovered": folder, "effort": effort, "seed": seed, "json": True}
-        line = words("plan", [str(path)], flags, allow_outside, input_memory)
+        line = words("plan", [str(path)], flags, allow_outside, input_memory, allow_missing)
         return Plan(json.loads(_called(line, progress, cancel, threads))["candidates"])
 
 
@@ -307,6 +313,7 @@ def restage(
     cancel: CancelToken | None = None,
     threads: int | None = None,
     allow_outside: bool = False,
+    allow_missing: bool = False,
     input_memory: float | None = None,
 ) -> Restaging:
     """Renders a recovered scene with edits, or composites the edits into its photograph.
@@ -345,6 +352,7 @@ def restage(
         cancel: A token that ends the work.
         threads: How many threads to use; by default one per core.
         allow_outside: Whether scenes may name files outside their folder.
+        allow_missing: Whether a scene is read without the files that it names and that are missing.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
     """
     with ExitStack() as stack:
@@ -381,7 +389,7 @@ def restage(
             "independent": independent,
             "bounces": bounces,
         }
-        line = words("restage", [] if edits is None else [edits], flags, allow_outside, input_memory)
+        line = words("restage", [] if edits is None else [edits], flags, allow_outside, input_memory, allow_missing)
         _called(line, progress, cancel, threads, scene=inner)
         files = sorted(place.glob("*.exr")) if samples is None else []
         pictures = {file.stem: read_picture(file) for file in files}
@@ -400,6 +408,7 @@ def export(
     width: int | None = None,
     height: int | None = None,
     allow_outside: bool = False,
+    allow_missing: bool = False,
     input_memory: float | None = None,
 ) -> Path:
     """Writes a scene and its materials for another program.
@@ -415,6 +424,7 @@ def export(
         width: Pixels in a row; by default the photograph's.
         height: Rows; by default the photograph's.
         allow_outside: Whether scenes may name files outside their folder.
+        allow_missing: Whether a scene is read without the files that it names and that are missing.
         input_memory: The memory that a scene may take while it is read, GiB.
 
     Returns:
@@ -435,7 +445,7 @@ def export(
             "height": height,
         }
         positional = [] if folder is None else [folder]
-        line = words("export", positional, flags, allow_outside, input_memory)
+        line = words("export", positional, flags, allow_outside, input_memory, allow_missing)
         _called(line, None, None, None, scene=inner)
     return Path(out)
 

@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use unrender::cli::{self, Global};
 use unrender::commands::recover;
 use unrender::engine::Recovered;
-use unrender::formats::materials::{self, MaterialsFile};
+use unrender::formats::materials::{self, MaterialsFile, ReflectanceEntry};
 use unrender::formats::picture;
 use unrender::listener::{Console, Listener};
 use unrender::photo::Exposure;
@@ -223,7 +223,8 @@ fn at_truth(given: &Job, truth: &Path) -> Result<Job, Failure> {
 /// `material` in the form of a project; its texture stays with the scene.
 fn known(material: &Material) -> Known {
     let Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, .. } = *material;
-    Known { rho_d, rho_s, alpha_x, alpha_y, theta_rad }
+    let reflectance = ReflectanceEntry::of(material);
+    Known { rho_d, rho_s: Some(rho_s), reflectance, alpha_x, alpha_y, theta_rad }
 }
 
 /// Prints each warning once: every group is recovered from the same photograph.

@@ -160,6 +160,7 @@ pub fn parse(bytes: &[u8], up: Option<Up>) -> Result<(Matched, Warnings), String
         world_from_camera: Affine3A::from_mat3_translation(axes, eye),
         fov_y_rad: (2.0 * (0.5 * height_px / focal_px).atan()) as f32,
         aspect: Some((width_px / height_px) as f32),
+        size: None,
         lens: Lens { principal_point, ..Lens::default() },
     };
     let size = if turned.swaps_sides() { (height, width) } else { (width, height) };

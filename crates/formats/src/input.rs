@@ -7,6 +7,7 @@
 //! [`Limits::memory`]; the count is never lowered, so it is an upper bound.
 
 use crate::LightUnits;
+use crate::missing::{Missing, is_missing};
 use glam::DVec3;
 use std::cell::Cell;
 use std::fs::{self, File};
@@ -55,6 +56,8 @@ impl From<InputError> for String {
 pub struct Limits {
     /// Whether an input may name files outside its folder.
     pub outside: bool,
+    /// Whether a scene is read without the files that it names and that are missing.
+    pub missing: bool,
     /// The memory that the input may take, bytes.
     pub memory: u64,
 }
@@ -65,7 +68,7 @@ const DEFAULT_MEMORY: u64 = 2 << 30;
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { outside: false, memory: DEFAULT_MEMORY }
+        Self { outside: false, missing: false, memory: DEFAULT_MEMORY }
     }
 }
 
@@ -78,8 +81,8 @@ pub struct Input<'a> {
     pub limits: Limits,
     /// The units of the lights of a glTF file, where they override the file's own.
     pub light_units: Option<LightUnits>,
-    /// The BRDF model of materials whose file states none, as glTF's and OBJ's.
-    pub brdf: BrdfModel,
+    /// The BRDF model of materials whose file states none, as glTF's and OBJ's; none for that of the format.
+    pub brdf: Option<BrdfModel>,
     /// The origin of the positions that are read, in the world of the file.
     pub(crate) origin: DVec3,
 }
@@ -87,7 +90,7 @@ pub struct Input<'a> {
 impl<'a> Input<'a> {
     /// The file at `path` within `limits`.
     pub fn new(path: &'a Path, limits: Limits) -> Self {
-        let (brdf, origin) = (BrdfModel::default(), DVec3::ZERO);
+        let (brdf, origin) = (None, DVec3::ZERO);
         Self { path, limits, light_units: None, brdf, origin }
     }
 
@@ -98,7 +101,7 @@ impl<'a> Input<'a> {
 
     /// The same, its materials of this BRDF model, if it states none.
     pub fn with_brdf(self, brdf: BrdfModel) -> Self {
-        Self { brdf, ..self }
+        Self { brdf: Some(brdf), ..self }
     }
 
     /// The same, its positions counted from `origin`.
@@ -119,9 +122,10 @@ pub(crate) struct Scope {
     /// The folder as the user names it.
     folder: PathBuf,
     limits: Limits,
-    brdf: BrdfModel,
+    brdf: Option<BrdfModel>,
     origin: DVec3,
     used: Cell<u64>,
+    missing: Missing,
 }
 
 impl Scope {
@@ -133,6 +137,7 @@ impl Scope {
             brdf: input.brdf,
             origin: input.origin,
             used: Cell::new(0),
+            missing: Missing::default(),
         }
     }
 
@@ -170,8 +175,23 @@ impl Scope {
         ))
     }
 
+    /// As [`Scope::beside`], but none if there is no such file. The reader goes on without it, and asks at the end
+    /// for [`Scope::complete`].
+    pub(crate) fn find(&self, folder: &Path, name: &str) -> Result<Option<PathBuf>, String> {
+        if is_missing(&folder.join(name)) {
+            self.missing.note(name);
+            return Ok(None);
+        }
+        self.beside(folder, name).map(Some)
+    }
+
+    /// Checks that all files were there, or that the limits allow that they are missing.
+    pub(crate) fn complete(&self) -> Result<(), String> {
+        if self.limits.missing { Ok(()) } else { self.missing.error() }
+    }
+
     /// The BRDF model of materials whose file states none.
-    pub(crate) fn brdf(&self) -> BrdfModel {
+    pub(crate) fn brdf(&self) -> Option<BrdfModel> {
         self.brdf
     }
 

@@ -19,6 +19,7 @@ pub mod input;
 mod kind;
 mod light_units;
 pub mod materials;
+mod missing;
 mod names;
 mod numbers;
 pub mod obj;
@@ -30,6 +31,7 @@ mod record;
 pub mod response_curve;
 pub mod scene_file;
 mod texels;
+mod told;
 pub mod what_is_read;
 
 pub use error::FileError;

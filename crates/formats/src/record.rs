@@ -4,11 +4,12 @@
 //! Such a comment says what follows (`group`, `object`, `light` or `camera`) and then, as JSON on
 //! the same line, its name or, for groups, an object with `name` and the parameters.
 
+use crate::materials::ReflectanceEntry;
 use crate::numbers::{degrees, number, radians, triple, triple_at};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use unrender_scene::{BrdfModel, Group, Light, LightKind, Material, Rgb};
+use unrender_scene::{BrdfModel, Group, Light, LightKind, Material, Reflectance, Rgb};
 
 /// The comment about `group`.
 pub(crate) fn group_note(group: &Group, brdf: BrdfModel) -> String {
@@ -115,6 +116,8 @@ pub(crate) struct Record {
     alpha_x: f64,
     alpha_y: f64,
     theta_deg: f64,
+    #[serde(flatten)]
+    reflectance: ReflectanceEntry,
 }
 
 impl Record {
@@ -126,14 +129,17 @@ impl Record {
             alpha_x: number(material.alpha_x),
             alpha_y: number(material.alpha_y),
             theta_deg: degrees(material.theta_rad),
+            reflectance: ReflectanceEntry::of(material),
         }
     }
 
     /// The material (without a texture) and the BRDF model of the record.
     pub(crate) fn to_material(&self) -> Result<(Material, BrdfModel), String> {
-        let material = Material {
+        let brdf: BrdfModel = self.brdf.parse()?;
+        let mut material = Material {
             rho_d: Rgb::from_array(self.rho_d.map(|c| c as f32)),
             rho_s: Rgb::from_array(self.rho_s.map(|c| c as f32)),
+            reflectance: Reflectance::Free,
             alpha_x: self.alpha_x as f32,
             alpha_y: self.alpha_y as f32,
             theta_rad: radians(self.theta_deg),
@@ -145,6 +151,8 @@ impl Record {
         {
             return Err("has numbers that are negative or not finite".into());
         }
-        Ok((material, self.brdf.parse()?))
+        let brdf = brdf.with_layering(self.reflectance.layering());
+        self.reflectance.apply(true, brdf, &mut material)?;
+        Ok((material, brdf))
     }
 }

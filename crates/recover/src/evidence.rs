@@ -11,6 +11,7 @@
 //! The photograph's own value never enters its weight, since dark pixels would then dominate ([`Evidence::reweigh`]).
 
 use crate::blocks::{Blocks, Grid};
+use crate::coated::Coated;
 use crate::expected::Expected;
 use crate::model_error::{Allowance, LightField, ModelError, followed, level2};
 use crate::observation::{Noise, Observation, Reading};
@@ -20,7 +21,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use unrender_render::sampler::mix;
 use unrender_render::{Appearance, LobeSums, Probe, ProbeSettings, Probes, RadianceCache};
-use unrender_scene::{BrdfModel, Material, Rgb};
+use unrender_scene::{BrdfModel, LobeAlbedo, Material, Reflectance, Rgb};
 
 /// What is known of one group in one iteration.
 #[derive(Clone, Debug)]
@@ -72,6 +73,8 @@ pub struct Gathered {
     pub starts: Vec<u32>,
     /// Their incident samples, prepared for lobes; none where none were kept.
     lobes: Option<LobeSums>,
+    /// The same for plastics; none where the scene's model has none.
+    coated: Option<Coated>,
 }
 
 /// Where evidence comes from: the photograph, the scale of its values, and the renderer.
@@ -183,8 +186,22 @@ impl Evidence {
         self.sets.each_ref().map(|set| set.lobe([alpha_x, alpha_y, theta_rad]))
     }
 
-    /// The specular basis of `material`, twice.
+    /// The radiance of `material` with a white base and without its lobe at every pixel, twice.
+    pub fn base(&self, material: &Material) -> [Vec<Rgb>; 2] {
+        let Reflectance::Dielectric { ior, .. } = material.reflectance else {
+            return self.diffuse();
+        };
+        let albedo = LobeAlbedo::dielectric(ior, (material.alpha_x * material.alpha_y).sqrt());
+        self.sets.each_ref().map(|set| set.base(&albedo))
+    }
+
+    /// The specular basis of `material`, twice: what its `rho_s` is the factor of.
     pub fn specular(&self, material: &Material) -> [Vec<Rgb>; 2] {
+        let shape = [material.alpha_x, material.alpha_y, material.theta_rad];
+        if let (Reflectance::Dielectric { .. }, true) = (material.reflectance, material.is_glossy())
+        {
+            return self.sets.each_ref().map(|set| set.coat(shape));
+        }
         if material.is_glossy() {
             self.lobe(material.alpha_x, material.alpha_y, material.theta_rad)
         } else {
@@ -194,7 +211,8 @@ impl Evidence {
 
     /// The radiance of `material` at every pixel, twice.
     pub fn radiance(&self, material: &Material) -> [Vec<Rgb>; 2] {
-        let mut radiance = self.diffuse().map(|d| d.iter().map(|d| material.rho_d * *d).collect());
+        let mut radiance =
+            self.base(material).map(|d| d.iter().map(|d| material.rho_d * *d).collect());
         if material.rho_s != Rgb::ZERO {
             let add = |(sum, s): (&mut Vec<Rgb>, Vec<Rgb>)| {
                 sum.iter_mut().zip(s).for_each(|(sum, s)| *sum += material.rho_s * s);
@@ -264,7 +282,8 @@ impl Gathered {
     /// `probes`, in the order of their pixels, for lobes of `model`.
     pub fn new(model: BrdfModel, probes: Probes) -> Self {
         let lobes = (!probes.incident.is_empty()).then(|| LobeSums::new(model, &probes));
-        Self { starts: starts(&probes.probes), probes: probes.probes, lobes }
+        let coated = Coated::of(model, &probes);
+        Self { starts: starts(&probes.probes), probes: probes.probes, lobes, coated }
     }
 
     /// The probes of every pixel.
@@ -295,18 +314,45 @@ impl Gathered {
         let mut next = kept.iter().copied();
         let lobes = self.lobes.iter_mut();
         lobes.for_each(|lobes| lobes.retain(|| next.next().unwrap_or(true)));
+        self.coated.iter_mut().for_each(|coated| coated.retain(&kept));
         self.starts = starts(&self.probes);
     }
 
     /// `S` for one lobe of the shape `[alpha_x, alpha_y, theta]`: the mean over each pixel's probes.
     fn lobe(&self, shape: [f32; 3]) -> Vec<Rgb> {
-        let Some(lobes) = &self.lobes else {
+        self.sums(self.lobes.as_ref(), shape)
+    }
+
+    /// The same of a dielectric's lobe, over its reflectance at normal incidence.
+    fn coat(&self, shape: [f32; 3]) -> Vec<Rgb> {
+        self.sums(self.coated.as_ref().map(|coated| &coated.lobes), shape)
+    }
+
+    fn sums(&self, lobes: Option<&LobeSums>, shape: [f32; 3]) -> Vec<Rgb> {
+        let Some(lobes) = lobes else {
             return vec![Rgb::ZERO; self.starts.len().saturating_sub(1)];
         };
+        self.numbered(|i| self.probes[i].throughput * lobes.of(i, shape))
+    }
+
+    /// `D` under the lobe of a dielectric of this `albedo`.
+    fn base(&self, albedo: &LobeAlbedo) -> Vec<Rgb> {
+        self.numbered(|i| {
+            let probe = &self.probes[i];
+            let share = match &self.coated {
+                Some(coated) => coated.base(i, probe, albedo),
+                None => 1.0 - albedo.at(probe.wo.z),
+            };
+            share * probe.throughput * probe.diffuse
+        })
+    }
+
+    /// The mean of `f`, which takes the number of a probe, over the probes of every pixel.
+    fn numbered(&self, f: impl Fn(usize) -> Rgb + Sync) -> Vec<Rgb> {
         let mean = |ends: &[u32]| {
             let probes = ends[0] as usize..ends[1] as usize;
             let count = probes.len() as f32;
-            probes.map(|i| self.probes[i].throughput * lobes.of(i, shape)).sum::<Rgb>() / count
+            probes.map(&f).sum::<Rgb>() / count
         };
         self.starts.par_windows(2).with_min_len(64).map(mean).collect()
     }

@@ -117,13 +117,13 @@ impl ParameterBounds {
         let may_be_dull = self.rho_s[0] == Rgb::ZERO;
         let may_shine = self.rho_s[1].max_element() > 0.0;
         let may_be_sharp = self.across()[0] <= ALPHA_RANGE[0];
-        match hypothesis {
+        match hypothesis.of_paper() {
             Hypothesis::Diffuse | Hypothesis::Textured => may_be_dull,
             Hypothesis::Mirror => may_be_black && may_be_sharp && self.rho_s[1] == Rgb::ONE,
             Hypothesis::PartialMirror => may_be_black && may_be_sharp && may_shine,
             Hypothesis::DiffuseSpecular => may_be_sharp && may_shine,
             Hypothesis::Isotropic => may_shine && self.round()[0] <= self.round()[1],
-            Hypothesis::Anisotropic => may_shine,
+            _ => may_shine,
         }
     }
 

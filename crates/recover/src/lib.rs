@@ -13,7 +13,9 @@
 
 pub mod block_residuals;
 pub mod blocks;
+mod coated;
 pub mod contrast;
+mod criterion;
 mod driver;
 pub mod effort;
 pub mod evidence;

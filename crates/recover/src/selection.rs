@@ -12,22 +12,17 @@
 //! Noise is no reason for a more complex one: of two whose difference is within the noise the simpler one is chosen,
 //! and a more complex one never where a simpler one is expected to be better.
 
-use crate::contrast::{Contrast, Side, independent_share};
+use crate::criterion::{Excess, Explained, difference, independent_blocks};
 use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis};
-use crate::likelihood::ResidualCovariance;
 use crate::unknown::Quantity;
 use std::collections::BTreeMap;
-use std::ops::Neg;
+use unrender_scene::Material;
 
 /// Two sets of numbers of one hypothesis explain the evidence equally well up to this difference of their squared
 /// residuals: beyond it the evidence for the better one is strong [Kass and Raftery 1995]. Half of it is called
 /// positive, double of it decisive.
 pub(crate) const STRONG: f64 = 6.0;
-
-/// The gain of one hypothesis over another counts less so many of its standard deviations by the light's noise. At
-/// none, a plain ceiling of a real room becomes a lobe under one seed of six; half and double of it were not tried.
-const CERTAIN: f64 = 2.0;
 
 /// What was decided for one group, and by which numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,18 +36,16 @@ pub struct Decision {
     pub open: Vec<usize>,
 }
 
-/// The information criterion of one fit less that of another.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Excess {
-    pub(crate) value: f64,
-    /// Its standard deviation by the light's noise.
-    pub(crate) deviation: f64,
+impl<'a> Explained<'a> {
+    fn by(fit: &'a Fit) -> Self {
+        Self { residuals: &fit.residuals, likelihood: &fit.likelihood }
+    }
 }
 
-/// Free parameters of a hypothesis; of a texture those of its mean.
-pub(crate) fn parameters(hypothesis: Hypothesis) -> f64 {
+/// Free parameters of a hypothesis with a `material` of it; of a texture those of its mean.
+pub(crate) fn parameters(hypothesis: Hypothesis, material: &Material) -> f64 {
     let channels = |quantity: &Quantity| if quantity.has_channels() { 3.0 } else { 1.0 };
-    hypothesis::quantities(hypothesis).iter().map(channels).sum()
+    hypothesis::quantities(hypothesis, material).iter().map(channels).sum()
 }
 
 /// The comparison of all fits of one group on the same evidence, pair by pair.
@@ -69,7 +62,8 @@ impl<'a> Comparison<'a> {
     pub fn new(fits: &'a [Fit], evidence: &'a Evidence) -> Self {
         let deviance = |fit: &&Fit| fit.likelihood.deviance;
         let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
-        let independent = best.map_or(1.0, |best| independent_blocks(best, evidence));
+        let independent =
+            best.map_or(1.0, |best| independent_blocks(Explained::by(best), evidence));
         Self { fits, evidence, independent, differences: BTreeMap::new() }
     }
 
@@ -99,8 +93,10 @@ impl<'a> Comparison<'a> {
             return *known;
         }
         let [a, b] = [&self.fits[i], &self.fits[j]];
-        let parameters = parameters(a.hypothesis) - parameters(b.hypothesis);
-        let mut difference = difference(a, b, self.evidence, self.independent);
+        let parameters =
+            parameters(a.hypothesis, &a.material) - parameters(b.hypothesis, &b.material);
+        let sides = [a, b].map(Explained::by);
+        let mut difference = difference(sides, self.evidence, self.independent);
         difference.value += parameters * self.independent.max(1.0).ln();
         self.differences.insert((i, j), difference);
         difference
@@ -136,46 +132,10 @@ pub(crate) fn choose(
     (chosen, open)
 }
 
-impl Neg for Excess {
-    type Output = Self;
-
-    fn neg(self) -> Self {
-        Self { value: -self.value, ..self }
-    }
-}
-
-impl Excess {
-    /// The lower end of what is likely.
-    fn least(self) -> f64 {
-        self.value - CERTAIN * self.deviation
-    }
-
-    /// The upper end of what is likely.
-    fn most(self) -> f64 {
-        self.value + CERTAIN * self.deviation
-    }
-}
-
-/// The squared residuals of `a` less those of `b`, in units of their covariance, of which so many blocks are
-/// `independent`.
-fn difference(a: &Fit, b: &Fit, evidence: &Evidence, independent: f64) -> Excess {
-    let (field, floor) = (&evidence.field, evidence.allowance.floor);
-    let sides = [a, b].map(|fit| Side { residuals: &fit.residuals, field, floor });
-    let contrast = Contrast::of(&evidence.blocks, sides.each_ref());
-    let scale = independent / evidence.blocks.len().max(1) as f64;
-    Excess { value: scale * contrast.difference, deviation: scale * contrast.noise.sqrt() }
-}
-
 /// Whether there is no strong evidence that `fit` explains less than `best`.
 pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
-    difference(fit, best, evidence, independent_blocks(best, evidence)).least() <= STRONG
-}
-
-/// How many of the blocks are independent of each other under `fit`.
-fn independent_blocks(fit: &Fit, evidence: &Evidence) -> f64 {
-    let residuals =
-        ResidualCovariance::of(&fit.residuals, &evidence.field, &fit.likelihood).standardised();
-    evidence.blocks.len() as f64 * independent_share(&evidence.blocks, &residuals)
+    let [fit, best] = [fit, best].map(Explained::by);
+    difference([fit, best], evidence, independent_blocks(best, evidence)).least() <= STRONG
 }
 
 #[cfg(test)]

@@ -131,7 +131,7 @@ impl PathObserver for Bright<'_> {
     fn record_direct(&mut self, throughput: Rgb, at: &Vertex<'_>, light: &DirectLight<'_>) {
         let arriving = light.sample.weight * light.transmittance;
         let radiance = throughput * (light.f_cos * arriving * light.mis);
-        let letters = match (light.passed.groups().is_empty(), is_glossy(at, light.wi)) {
+        let letters = match (light.passed.all().is_empty(), is_glossy(at, light.wi)) {
             (true, false) => ["l", "e"],
             (true, true) => ["gl", "ge"],
             (false, false) => ["v", "v"],
@@ -165,10 +165,9 @@ fn letter(bsdf: &Bsdf<'_>, wo: Vec3, sample: &BsdfSample) -> char {
 
 /// Whether the glossy lobe reflects more of the light from `wi` than the diffuse part does.
 fn is_glossy(at: &Vertex<'_>, wi: Vec3) -> bool {
-    let Bsdf { rho_d, rho_s, specular, .. } = at.bsdf;
-    let Specular::Glossy(lobe) = specular else { return false };
-    let (diffuse, glossy) = (*rho_d * lambert::VALUE, *rho_s * lobe.value(at.wo, wi));
-    glossy.element_sum() > diffuse.element_sum()
+    let base = at.bsdf.rho_d * (lambert::VALUE * at.bsdf.coat.base(at.wo.z, wi.z));
+    let whole = at.bsdf.value(at.wo, wi);
+    whole.element_sum() > 2.0 * base.element_sum()
 }
 
 #[cfg(test)]

@@ -172,7 +172,7 @@ impl Transport<'_> {
             let wi = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
             let is_followed = mirrors < MIRRORS_MAX && self.reflects(mirrors);
             if is_followed && bsdf.is_pure_mirror() && surface.is_above(wi) {
-                throughput *= bsdf.rho_s;
+                throughput *= bsdf.coat.mirror(bsdf.rho_s, -ray.direction.dot(normal));
                 ray = Self::leave(&surface, wi);
                 continue;
             }

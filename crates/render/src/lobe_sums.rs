@@ -52,7 +52,7 @@ impl LobeSums {
             let first = lanes.len() as u32;
             for eight in probes.incident_of(probe).chunks(LANES) {
                 lanes.push(Lanes::new(model, probe.wo, eight));
-                if model == BrdfModel::Ggx {
+                if model.is_ggx() {
                     wi.push(columns(eight.iter().map(|sample| slopes(sample.wi).to_array())));
                 }
             }
@@ -82,7 +82,7 @@ impl LobeSums {
         };
         match self.model {
             BrdfModel::Ward(_) => lanes.iter().for_each(|l| add(l, lobe.exponential(l.half))),
-            BrdfModel::Ggx => {
+            BrdfModel::Ggx | BrdfModel::Principled(_) => {
                 let seen = 1.0 + lobe.masking(outgoing.slopes);
                 let both = lanes.iter().zip(&self.wi[range]);
                 both.for_each(|(l, wi)| add(l, lobe.microfacets(l.half, *wi, seen)));
@@ -128,7 +128,7 @@ fn factor(model: BrdfModel, wo: Vec3, wi: Vec3) -> f32 {
         BrdfModel::Ward(WardModel::WardDuer) => 1.0 / (wo.z * wi.z),
         BrdfModel::Ward(WardModel::WardGmd) => 4.0 * length2 / (z2 * z2),
         // D has the fourth power of the cosine of the normalised half vector.
-        BrdfModel::Ggx => length2 * length2 / (z2 * z2) / (wo.z * wi.z),
+        BrdfModel::Ggx | BrdfModel::Principled(_) => length2 * length2 / (z2 * z2) / (wo.z * wi.z),
     }
 }
 

@@ -269,7 +269,7 @@ impl<'a> Transport<'a> {
         let GroupBsdf { mut bsdf, is_textured, rotation } = self.groups[surface.group as usize];
         if is_textured {
             let material = &self.appearance.materials[surface.group as usize];
-            bsdf = Bsdf::with(material.rho_d_at(surface.uv), bsdf.rho_s, bsdf.specular);
+            bsdf = bsdf.over(material.rho_d_at(surface.uv));
         }
         let frame = rotation.map_or(surface.frame, |rotation| surface.frame.turned(rotation));
         LocalBsdf { bsdf, frame }

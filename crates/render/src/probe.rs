@@ -20,6 +20,7 @@
 
 use crate::accel::Ray;
 use crate::appearance::Appearance;
+use crate::bsdf::coat::Coat;
 use crate::bsdf::lobe::GlossyLobe;
 use crate::bsdf::{lambert, mirror};
 use crate::camera_sample::camera_ray;
@@ -330,7 +331,7 @@ impl<'a> Gatherer<'a> {
             if !surface.is_above(wi) {
                 return None;
             }
-            throughput *= material.rho_s;
+            throughput *= Coat::new(material).mirror(material.rho_s, local.z);
             ray = Transport::leave(&surface, wi);
         }
         None

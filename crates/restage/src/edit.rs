@@ -10,6 +10,10 @@ use unrender_scene::Scene;
 
 /// One edit.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there are a few edits, and each is moved a few times"
+)]
 pub enum Edit {
     /// Objects are removed.
     Remove(Remove),

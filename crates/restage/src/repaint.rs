@@ -2,7 +2,7 @@
 
 use crate::stage::{Stage, some_names};
 use std::sync::Arc;
-use unrender_scene::{Material, Rgb, Texture};
+use unrender_scene::{Material, Reflectance, Rgb, Texture};
 
 /// Changes the material of a group.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Repaint {
 pub struct Paint {
     /// Diffuse reflectance; replaces a texture.
     pub rho_d: Option<Rgb>,
-    /// Specular reflectance.
+    /// Specular reflectance; a plastic gets a free one by it.
     pub rho_s: Option<Rgb>,
     /// Roughness along the anisotropy direction.
     pub alpha_x: Option<f32>,
@@ -70,7 +70,13 @@ impl Paint {
             material.rho_d = (sum / texels.len().max(1) as f64).as_vec3();
             material.texture = Some(texture.clone());
         }
-        material.rho_s = self.rho_s.unwrap_or(material.rho_s);
+        if let Some(rho_s) = self.rho_s {
+            material.rho_s = rho_s;
+            // A dielectric's is fixed by its refractive index.
+            if matches!(material.reflectance, Reflectance::Dielectric { .. }) {
+                material.reflectance = Reflectance::Free;
+            }
+        }
         material.alpha_x = self.alpha_x.unwrap_or(material.alpha_x);
         material.alpha_y = self.alpha_y.unwrap_or(material.alpha_y);
         material.theta_rad = self.theta_rad.unwrap_or(material.theta_rad);

@@ -18,6 +18,9 @@ pub struct Camera {
     pub fov_y_rad: f32,
     /// The aspect (width over height) that the scene file states, if any.
     pub aspect: Option<f32>,
+    /// The columns and rows of the picture that the scene file states, if any.
+    #[serde(default)]
+    pub size: Option<[u32; 2]>,
     /// Principal point and distortion.
     pub lens: Lens,
 }
@@ -40,7 +43,7 @@ impl Camera {
         let axes = Mat3::from_cols(right, back.cross(right), back);
         let world_from_camera = Affine3A::from_mat3_translation(axes, eye);
         let lens = Lens::default();
-        Self { name: name.to_owned(), world_from_camera, fov_y_rad, aspect: None, lens }
+        Self { name: name.to_owned(), world_from_camera, fov_y_rad, aspect: None, size: None, lens }
     }
 
     /// The camera's centre in world space.
@@ -124,6 +127,7 @@ impl Camera {
         Self {
             fov_y_rad: (2.0 * half_height.atan()) as f32,
             aspect: self.aspect.map(|aspect| (f64::from(aspect) * stretched) as f32),
+            size: None,
             lens: Lens { principal_point, ..self.lens },
             ..self.clone()
         }

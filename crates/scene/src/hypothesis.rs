@@ -2,6 +2,7 @@
 //!
 //! The names are those of project and result files, so these two enums are serialisable.
 
+use crate::{Material, Reflectance};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -23,10 +24,18 @@ pub enum Hypothesis {
     Anisotropic,
     /// A diffuse texture.
     Textured,
+    /// A dielectric's lobe over a diffuse base; on the ladder an isotropic lobe.
+    Plastic,
+    /// A metal's lobe; on the ladder an isotropic one.
+    Metal,
+    /// A diffuse texture under a lobe.
+    TexturedGlossy,
+    /// A diffuse texture under a dielectric's lobe.
+    TexturedPlastic,
 }
 
 impl Hypothesis {
-    /// All hypotheses, the simplest first.
+    /// The rungs of the ladder, the simplest first.
     pub const ALL: [Self; 7] = [
         Self::Diffuse,
         Self::Mirror,
@@ -47,6 +56,31 @@ impl Hypothesis {
             Self::Isotropic => "isotropic",
             Self::Anisotropic => "anisotropic",
             Self::Textured => "textured",
+            Self::Plastic => "plastic",
+            Self::Metal => "metal",
+            Self::TexturedGlossy => "textured-glossy",
+            Self::TexturedPlastic => "textured-plastic",
+        }
+    }
+
+    /// The rung of the ladder that it belongs to.
+    pub fn of_paper(self) -> Self {
+        match self {
+            Self::Plastic | Self::Metal => Self::Isotropic,
+            Self::TexturedGlossy | Self::TexturedPlastic => Self::Textured,
+            rung => rung,
+        }
+    }
+
+    /// The word for this rung where its material is `material`.
+    pub fn named(self, material: &Material) -> Self {
+        let is_shiny = material.rho_s.max_element() > 0.0;
+        match (self, material.reflectance) {
+            (Self::Textured, Reflectance::Dielectric { .. }) => Self::TexturedPlastic,
+            (Self::Textured, _) if is_shiny => Self::TexturedGlossy,
+            (_, Reflectance::Dielectric { .. }) => Self::Plastic,
+            (_, Reflectance::Metal { .. }) => Self::Metal,
+            (rung, Reflectance::Free) => rung,
         }
     }
 }

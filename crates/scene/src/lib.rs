@@ -12,13 +12,16 @@ pub mod color;
 pub mod environment;
 pub mod hypothesis;
 pub mod image;
+pub mod left_out;
 pub mod lens;
 pub mod light;
+pub mod lobe_albedo;
 pub mod material;
 pub mod mesh;
 pub mod origin;
 pub mod picture;
 pub mod points;
+pub mod reflectance;
 mod serial;
 pub mod validate;
 
@@ -27,12 +30,15 @@ pub use color::Rgb;
 pub use environment::{Corners, Environment, EnvironmentError};
 pub use hypothesis::{Hypothesis, Status};
 pub use image::{Image, RgbImage};
+pub use left_out::LeftOut;
 pub use lens::Lens;
 pub use light::{ENVIRONMENT, Light, LightKind, Source};
+pub use lobe_albedo::LobeAlbedo;
 pub use material::{BrdfModel, Lobe, Material, Texture, WardModel, Wrap};
 pub use mesh::{Mesh, Object};
 pub use picture::{Depth, Merged, Picture, Profile};
 pub use points::Pair;
+pub use reflectance::{Layering, Reflectance};
 pub use validate::{SceneError, Warnings};
 
 use glam::{DVec3, Vec3};
@@ -71,6 +77,9 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// The BRDF model of the groups' materials.
     pub brdf: BrdfModel,
+    /// The shapes of the file that take no part in light transport, as those of glass.
+    #[serde(default)]
+    pub left_out: Vec<LeftOut>,
     /// The origin of all positions here in the world of the scene's file, metres. It is zero except for scenes far from
     /// zero, whose positions would lose their digits in single precision.
     pub origin: DVec3,
@@ -85,6 +94,24 @@ impl Scene {
     /// The materials of all groups, in the order of [`Scene::groups`].
     pub fn materials(&self) -> Vec<Material> {
         self.groups.iter().map(|g| g.material.clone()).collect()
+    }
+
+    /// Gives all materials a free reflectance, for models that know no other.
+    pub fn free(&mut self) {
+        for group in self.groups.iter_mut().filter(|group| !group.material.reflectance.is_free()) {
+            group.material = group.material.clone().freed();
+        }
+    }
+
+    /// Gives all dielectrics the same layering.
+    pub fn layer(&mut self, layering: Layering) {
+        for group in &mut self.groups {
+            if let Reflectance::Dielectric { layering: former, .. } =
+                &mut group.material.reflectance
+            {
+                *former = layering;
+            }
+        }
     }
 
     /// The lowest and the highest corner of the box around all triangles; none without a triangle.

@@ -1,9 +1,11 @@
-//! Materials: the parameters of Ward's BRDF [Ward 1992; Boivin and Gagalowicz 2002, section 4.2].
+//! Materials: the parameters of Ward's BRDF [Ward 1992; Boivin and Gagalowicz 2002, section 4.2], and of plastics and
+//! metals.
 //!
 //! `f = rho_d/pi + rho_s w(wi, wo; alpha_x, alpha_y, theta)`. With both alphas zero the lobe is a
-//! perfect mirror of reflectance `rho_s`.
+//! perfect mirror of reflectance `rho_s`. A [`Reflectance`] other than the free one puts Fresnel's in the place of `rho_s`.
 
-use crate::{Image, Rgb};
+use crate::reflectance::{Layering, Reflectance, f0_of_ior};
+use crate::{Image, LobeAlbedo, Rgb};
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -35,15 +37,20 @@ pub enum BrdfModel {
     /// GGX microfacets [Trowbridge and Reitz 1975] with height-correlated Smith masking [Heitz
     /// 2014].
     Ggx,
+    /// GGX microfacets whose reflectance may be a dielectric's or a metal's, as in Blender's Principled BSDF. Dielectrics
+    /// whose file states no layering have this one.
+    Principled(Layering),
 }
 
 impl BrdfModel {
     /// All models, Ward's first.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 6] = [
         Self::Ward(WardModel::Ward1992),
         Self::Ward(WardModel::WardDuer),
         Self::Ward(WardModel::WardGmd),
         Self::Ggx,
+        Self::Principled(Layering::AlbedoScaled),
+        Self::Principled(Layering::Coupled),
     ];
 
     /// The name in project and result files.
@@ -53,12 +60,41 @@ impl BrdfModel {
             Self::Ward(WardModel::WardDuer) => "ward-duer",
             Self::Ward(WardModel::WardGmd) => "ward-gmd",
             Self::Ggx => "ggx",
+            Self::Principled(_) => "principled",
         }
+    }
+
+    /// How bases lie under dielectrics whose file does not state it.
+    pub fn layering(self) -> Layering {
+        if let Self::Principled(layering) = self { layering } else { Layering::default() }
+    }
+
+    /// The same with another layering, if it is stated.
+    pub fn with_layering(self, layering: Option<Layering>) -> Self {
+        match (self, layering) {
+            (Self::Principled(_), Some(layering)) => Self::Principled(layering),
+            _ => self,
+        }
+    }
+
+    /// Whether its lobes may reflect as dielectrics and metals.
+    pub fn is_principled(self) -> bool {
+        matches!(self, Self::Principled(_))
+    }
+
+    /// The model that a file's name of a model means where this one stood before: `principled` keeps its layering.
+    pub fn renamed(self, named: Self) -> Self {
+        if named.is_principled() && self.is_principled() { self } else { named }
+    }
+
+    /// Whether its lobe is that of GGX microfacets.
+    pub fn is_ggx(self) -> bool {
+        matches!(self, Self::Ggx | Self::Principled(_))
     }
 
     /// Whether the albedo of the lobe is at most `rho_s` for all directions.
     pub fn is_bounded(self) -> bool {
-        matches!(self, Self::Ward(WardModel::WardGmd) | Self::Ggx)
+        self.is_ggx() || self == Self::Ward(WardModel::WardGmd)
     }
 }
 
@@ -86,7 +122,7 @@ impl FromStr for BrdfModel {
     fn from_str(name: &str) -> Result<Self, String> {
         Self::ALL.into_iter().find(|m| m.name() == name).ok_or_else(|| {
             format!(
-                "unknown brdf \"{name}\"; use \"ward-gmd\", \"ward-1992\", \"ward-duer\" or \"ggx\""
+                "unknown brdf \"{name}\"; use \"principled\", \"ggx\", \"ward-gmd\", \"ward-1992\" or \"ward-duer\""
             )
         })
     }
@@ -116,8 +152,10 @@ impl Lobe {
 pub struct Material {
     /// Diffuse reflectance, 0 to 1. With a texture: the mean over the texture.
     pub rho_d: Rgb,
-    /// Specular reflectance, 0 to 1.
+    /// Specular reflectance, 0 to 1; of a dielectric or a metal that at normal incidence.
     pub rho_s: Rgb,
+    /// What `rho_s` means.
+    pub reflectance: Reflectance,
     /// Roughness along the anisotropy direction: the standard deviation of the slope times sqrt(2).
     /// Zero in both alphas means a perfect mirror.
     pub alpha_x: f32,
@@ -134,7 +172,15 @@ pub struct Material {
 impl Material {
     /// A Lambertian material.
     pub fn diffuse(rho_d: Rgb) -> Self {
-        Self { rho_d, rho_s: Rgb::ZERO, alpha_x: 0.0, alpha_y: 0.0, theta_rad: 0.0, texture: None }
+        Self {
+            rho_d,
+            rho_s: Rgb::ZERO,
+            reflectance: Reflectance::Free,
+            alpha_x: 0.0,
+            alpha_y: 0.0,
+            theta_rad: 0.0,
+            texture: None,
+        }
     }
 
     /// A perfect mirror of reflectance `rho_s`.
@@ -145,6 +191,48 @@ impl Material {
     /// An isotropic glossy material.
     pub fn isotropic(rho_d: Rgb, rho_s: Rgb, alpha: f32) -> Self {
         Self { rho_s, alpha_x: alpha, alpha_y: alpha, ..Self::diffuse(rho_d) }
+    }
+
+    /// A dielectric of refractive index `ior` and roughness `alpha` over a base of the reflectance `rho_d`.
+    pub fn plastic(rho_d: Rgb, ior: f32, layering: Layering, alpha: f32) -> Self {
+        let reflectance = Reflectance::Dielectric { ior, layering };
+        Self { reflectance, ..Self::isotropic(rho_d, Rgb::splat(f0_of_ior(ior)), alpha) }
+    }
+
+    /// A metal of the reflectance `f0` at normal incidence and of roughness `alpha`.
+    pub fn metal(f0: Rgb, multiscatter: bool, alpha: f32) -> Self {
+        let reflectance = Reflectance::Metal { multiscatter };
+        Self { reflectance, ..Self::isotropic(Rgb::ZERO, f0, alpha) }
+    }
+
+    /// The diffuse reflectance as seen at normal incidence, as a share of `rho_d`: what a dielectric's lobe lets through, one
+    /// for all others. It does not depend on the layering.
+    pub fn base_seen(&self) -> f32 {
+        let alpha = (self.alpha_x * self.alpha_y).sqrt();
+        match self.reflectance {
+            Reflectance::Dielectric { ior, .. } => 1.0 - LobeAlbedo::dielectric(ior, alpha).at(1.0),
+            Reflectance::Free | Reflectance::Metal { .. } => 1.0,
+        }
+    }
+
+    /// Its base alone.
+    pub fn without_lobe(self) -> Self {
+        Self { texture: self.texture, ..Self::diffuse(self.rho_d) }
+    }
+
+    /// The material of free reflectance that looks the same at normal incidence: for programs and models that know no other.
+    ///
+    /// A dielectric's lobe of roughness one reflects nearly as a Lambertian surface does: its base alone is left.
+    pub fn freed(self) -> Self {
+        let is_even = self.alpha_x >= 1.0 && self.alpha_y >= 1.0;
+        if is_even && matches!(self.reflectance, Reflectance::Dielectric { .. }) {
+            return self.without_lobe();
+        }
+        let seen = self.base_seen();
+        let texture = self
+            .texture
+            .map(|texture| if seen == 1.0 { texture } else { Arc::new(texture.scaled(seen)) });
+        Self { rho_d: self.rho_d * seen, reflectance: Reflectance::Free, texture, ..self }
     }
 
     /// The diffuse reflectance at the texture coordinate `uv`.
@@ -210,6 +298,12 @@ pub struct Texture {
 }
 
 impl Texture {
+    /// The same texture, its reflectance times `factor`.
+    pub fn scaled(&self, factor: f32) -> Self {
+        let image = self.image.map(|texel| *texel * factor);
+        Self { image, wrap_u: self.wrap_u, wrap_v: self.wrap_v }
+    }
+
     /// The bilinearly interpolated reflectance at `uv`.
     ///
     /// ```

@@ -1,5 +1,6 @@
 //! Validation of scenes: errors and warnings.
 
+use crate::reflectance::Reflectance;
 use crate::{Camera, Environment, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 use glam::Vec3;
 
@@ -10,6 +11,9 @@ pub struct Warnings(pub Vec<String>);
 /// The most warnings: nobody reads more, and each new one is compared with all before. With half of
 /// it, real scenes with one per group could lose some; with double, nothing changes.
 const MAX_WARNINGS: usize = 1000;
+
+/// The most names of objects in a warning; they fit on a line or two.
+const NAMED: usize = 5;
 
 impl Warnings {
     /// Adds `warning`, a whole sentence without a final line break; each only once.
@@ -134,23 +138,25 @@ impl Scene {
     /// Those of [`Scene::check`], and if triangles are missing.
     pub fn validate_meshes(&mut self) -> Result<Warnings, SceneError> {
         self.check()?;
-        let mut warnings = Warnings::default();
+        let (mut empty, mut turned) = (Found::default(), Found::default());
         for object in &mut self.objects {
-            let dropped = drop_zero_area(&mut object.mesh);
-            if dropped > 0 {
-                warnings.push(format!(
-                    "object \"{}\": {dropped} triangle(s) without area were left out",
-                    object.name
-                ));
-            }
-            let turned = turned_normals(&object.mesh);
-            if turned > 0 {
-                warnings.push(format!(
-                    "object \"{}\": the normals of {turned} triangle(s) point against their winding; \
-                     the winding was taken as the front",
-                    object.name
-                ));
-            }
+            empty.add(drop_zero_area(&mut object.mesh), &object.name);
+            turned.add(turned_normals(&object.mesh), &object.name);
+        }
+        let mut warnings = Warnings::default();
+        let told = empty.told(|place, count| {
+            format!("{place}: {count} triangle(s) without area were left out")
+        });
+        told.into_iter().for_each(|told| warnings.push(told));
+        let told = turned.told(|place, count| {
+            format!(
+                "{place}: the normals of {count} triangle(s) point against their winding; the winding was taken as \
+                 the front"
+            )
+        });
+        told.into_iter().for_each(|told| warnings.push(told));
+        for shape in &mut self.left_out {
+            drop_zero_area(&mut shape.mesh);
         }
         if self.triangle_count() == 0 {
             return Err(SceneError::NoGeometry);
@@ -185,6 +191,11 @@ impl Scene {
             check_counts(&object.name, &object.mesh)?;
             check_indices(&object.name, &object.mesh)?;
             check_finite(&object.name, &object.mesh)?;
+        }
+        for shape in &self.left_out {
+            check_counts(&shape.material, &shape.mesh)?;
+            check_indices(&shape.material, &shape.mesh)?;
+            check_finite(&shape.material, &shape.mesh)?;
         }
         self.groups.iter().try_for_each(check_material)?;
         self.lights.iter().try_for_each(check_light)?;
@@ -238,11 +249,17 @@ fn is_amount(rgb: Rgb) -> bool {
 }
 
 fn check_material(group: &Group) -> Result<(), SceneError> {
-    let Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, texture } = &group.material;
+    let Material { rho_d, rho_s, reflectance, alpha_x, alpha_y, theta_rad, texture } =
+        &group.material;
+    let is_dense = match reflectance {
+        Reflectance::Dielectric { ior, .. } => ior.is_finite() && *ior >= 1.0,
+        Reflectance::Free | Reflectance::Metal { .. } => true,
+    };
     let is_roughness = |alpha: &f32| alpha.is_finite() && *alpha >= 0.0;
     let quantities = [
         ("its diffuse reflectance", is_amount(*rho_d)),
         ("its specular reflectance", is_amount(*rho_s)),
+        ("its refractive index", is_dense),
         ("its roughness", is_roughness(alpha_x) && is_roughness(alpha_y)),
         ("the angle of its anisotropy direction", theta_rad.is_finite()),
         ("its emission", is_amount(group.emission)),
@@ -308,6 +325,34 @@ fn check_finite(object: &str, mesh: &Mesh) -> Result<(), SceneError> {
         return error("TANGENT", vertex);
     }
     Ok(())
+}
+
+/// Triangles with one fault, and the objects that have some.
+#[derive(Default)]
+struct Found {
+    triangles: usize,
+    objects: Vec<String>,
+}
+
+impl Found {
+    fn add(&mut self, triangles: usize, object: &str) {
+        if triangles > 0 {
+            self.triangles += triangles;
+            self.objects.push(object.to_owned());
+        }
+    }
+
+    /// One sentence about all of them; none without a fault.
+    fn told(&self, sentence: impl Fn(&str, usize) -> String) -> Option<String> {
+        let named: Vec<String> =
+            self.objects.iter().take(NAMED).map(|name| format!("\"{name}\"")).collect();
+        let place = match self.objects.len() - named.len() {
+            0 if named.len() == 1 => format!("object {}", named[0]),
+            0 => format!("objects {}", named.join(", ")),
+            rest => format!("objects {} and {rest} more", named.join(", ")),
+        };
+        (self.triangles > 0).then(|| sentence(&place, self.triangles))
+    }
 }
 
 /// Removes triangles whose area is zero in single precision; returns their number.

@@ -10,7 +10,7 @@ use crate::check::coplanar;
 use crate::photometric::{self, Number};
 use crate::problem::{self, with_problem};
 use crate::registered::RegisteredModel;
-use crate::{Error, Job, readings, registration, same_as};
+use crate::{Error, Job, clear_shapes, readings, registration, same_as};
 use std::ops::Range;
 use std::time::Instant;
 use unrender_photo::Exposure;
@@ -114,7 +114,7 @@ fn recover_as_read(
     let registered = register(job, &tracer, asked.alignment)?;
     let warnings = registered.iter().flat_map(|registered| &registered.warnings.0);
     warnings.for_each(|warning| follower.warning(warning));
-    warn_of_coplanar(job, &tracer, &registered, follower);
+    warn_of_the_seen(job, &tracer, &registered, follower);
     let until_registered = started.elapsed().as_secs_f64();
     let numbers = photometric::asked(&job.project);
     let mut begun = 0.0;
@@ -176,8 +176,9 @@ fn expected_seconds(job: &Job, options: &Options) -> Option<f64> {
         .then(|| unrender_recover::expected_seconds(unknown, pixels, options))
 }
 
-/// Warns of surfaces that overlap in one plane where the photographs of `job` show them.
-fn warn_of_coplanar(
+/// Warns of what the photographs of `job` show and a recovery cannot have: surfaces that let light through, and those
+/// that overlap in one plane.
+fn warn_of_the_seen(
     job: &mut Job,
     tracer: &Tracer,
     registered: &[RegisteredModel],
@@ -186,7 +187,10 @@ fn warn_of_coplanar(
     for (k, registered) in registered.iter().enumerate() {
         let photo = &job.photo_of(k).radiance;
         let geometry = tracer.geometry(&registered.camera, photo.width(), photo.height());
-        for warning in coplanar::warnings(job, tracer, (&registered.camera, &geometry)).0 {
+        let clear = clear_shapes::told(job, &registered.camera, &geometry);
+        let clear = clear.map(|told| format!("{}{told}", job.called(k)));
+        let coplanar = coplanar::warnings(job, tracer, (&registered.camera, &geometry)).0;
+        for warning in clear.into_iter().chain(coplanar) {
             if !job.warnings.0.contains(&warning) {
                 follower.warning(&warning);
                 job.warnings.push(warning);

@@ -18,6 +18,10 @@ pub struct Global {
     /// Let scenes and materials name files outside their folder, too.
     #[arg(long, global = true)]
     pub allow_outside: bool,
+    /// Read scenes without the meshes, textures and environment maps that they name and that are missing; a warning
+    /// tells of each.
+    #[arg(long, global = true)]
+    pub allow_missing: bool,
     /// The memory that a scene or a picture may take while it is read, GiB [default: 2].
     #[arg(long, global = true, value_name = "GIB", value_parser = gibibytes)]
     pub input_memory: Option<f64>,
@@ -34,7 +38,8 @@ impl Global {
     /// The limits of reading inputs.
     pub(crate) fn limits(&self) -> Limits {
         let memory = self.input_memory.map(|gib| (gib * f64::from(1 << 30)) as u64);
-        Limits { outside: self.allow_outside, memory: memory.unwrap_or(Limits::default().memory) }
+        let memory = memory.unwrap_or(Limits::default().memory);
+        Limits { outside: self.allow_outside, missing: self.allow_missing, memory }
     }
 }
 

@@ -3,13 +3,13 @@
 use crate::lighting::EnvironmentChoice;
 use crate::project::{CameraChoice, Found, Photographed, Project, Taken};
 use crate::shot::Shot;
-use crate::{Error, mask, photograph, same_as};
+use crate::{Error, clear_shapes, mask, photograph, same_as};
 use glam::DVec3;
 use std::path::Path;
 use unrender_formats::picture::{self, Orientation, Picture};
 use unrender_formats::{FileError, Input};
 use unrender_photo::{Photo, Transfer, clipping, develop};
-use unrender_render::GeometryBuffers;
+use unrender_render::{GeometryBuffers, PixelGeometry};
 use unrender_scene::{Camera, Image, Rgb, Scene, Warnings};
 
 /// Two aspects (width over height) are equal up to this share.
@@ -86,12 +86,7 @@ impl Job {
         warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;
         warnings.extend(project.settle_scale(&scene)?);
-        scene.brdf = project.brdf;
-        for (name, known) in &project.known {
-            if let Some(index) = scene.group_index(name) {
-                scene.groups[index].material = known.material();
-            }
-        }
+        settle_brdf(&project, &mut scene)?;
         warnings.extend(validate(&mut scene, &project.scene)?);
         let own_groups = same_as::merge(&project, &mut scene);
         let first = taken(&mut project, &scene, (picture, given.mask), is_file, &mut warnings)?;
@@ -120,18 +115,46 @@ impl Job {
         })
     }
 
-    /// For every pixel of `geometry`, as seen by the camera of `photograph`, whether the project includes it: it is
-    /// not masked, and its group is not ignored.
-    pub(crate) fn counts(&self, photograph: usize, geometry: &GeometryBuffers) -> Vec<bool> {
+    /// For every pixel of `geometry`, as seen by the `camera` of `photograph`, whether the project includes it: it is
+    /// not masked, its group is not ignored, and no shape that lets light through is before it.
+    pub(crate) fn counts(
+        &self,
+        photograph: usize,
+        (camera, geometry): (&Camera, &GeometryBuffers),
+    ) -> Vec<bool> {
         let groups = self.scene.groups.iter();
         let ignored: Vec<bool> =
             groups.map(|group| self.project.ignored.contains(&group.name)).collect();
         let is_ignored = |group: u32| ignored.get(group as usize).copied().unwrap_or(false);
         let mask = self.mask_of(photograph);
         let masked = |index: usize| mask.is_some_and(|mask| !mask.pixels()[index]);
+        let clear = clear_shapes::covered(&self.scene, camera, geometry);
+        let is_clear = |index: usize| clear.as_ref().is_some_and(|clear| clear[index]);
         let pixels = geometry.pixels().iter().enumerate();
-        pixels.map(|(index, pixel)| !masked(index) && !is_ignored(pixel.group)).collect()
+        let counts = |(index, pixel): (usize, &PixelGeometry)| {
+            !masked(index) && !is_ignored(pixel.group) && !is_clear(index)
+        };
+        pixels.map(counts).collect()
     }
+}
+
+/// Gives the scene the BRDF model of the project, if that states one, and known groups their materials.
+fn settle_brdf(project: &Project, scene: &mut Scene) -> Result<(), Error> {
+    scene.brdf = project.brdf.unwrap_or(scene.brdf).with_layering(project.layering);
+    if !scene.brdf.is_principled() {
+        scene.free();
+    } else if let Some(layering) = project.layering {
+        scene.layer(layering);
+    }
+    for (name, known) in &project.known {
+        if let Some(index) = scene.group_index(name) {
+            let material = known.material(scene.brdf).map_err(|problem| {
+                FileError::new(&project.path, format!("groups.{name}.known: {problem}"))
+            })?;
+            scene.groups[index].material = material;
+        }
+    }
+    Ok(())
 }
 
 /// The photograph of `project` with its camera in `scene`; `picture` is read already, `mask` if it was given in

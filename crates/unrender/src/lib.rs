@@ -115,6 +115,7 @@
 
 mod bracket;
 pub mod check;
+mod clear_shapes;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "cli")]

@@ -39,7 +39,9 @@ impl RegisteredModel {
             saturated: photo.saturated.clone(),
             quantisation_step: photo.quantisation_step.clone(),
         };
-        for (index, counts) in job.counts(photograph, geometry).into_iter().enumerate() {
+        for (index, counts) in
+            job.counts(photograph, (&self.camera, geometry)).into_iter().enumerate()
+        {
             // Pixels that are left out are not lower bounds either.
             picture.valid.pixels_mut()[index] &= counts;
             picture.saturated.pixels_mut()[index] &= counts;

@@ -143,7 +143,7 @@ impl Intrinsics {
         if !(lens.is_valid() && fov_y_rad > 0.0) {
             return Err("its focal length or its distortion is far too large".into());
         }
-        Ok(Camera { name: name.to_owned(), world_from_camera, fov_y_rad, aspect, lens })
+        Ok(Camera { name: name.to_owned(), world_from_camera, fov_y_rad, aspect, size: None, lens })
     }
 
     fn check(&self) -> Result<(), String> {

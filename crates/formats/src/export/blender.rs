@@ -13,7 +13,7 @@ use crate::texels;
 use glam::Mat4;
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_2;
-use unrender_scene::{BrdfModel, Camera, LightKind, Material, Warnings};
+use unrender_scene::{Camera, LightKind, Material, Reflectance, Warnings};
 
 /// The program that builds the scene.
 const SCRIPT: &str = include_str!("blender/scene.py");
@@ -104,12 +104,22 @@ fn group(
         "name": group.name,
         "rho_d": triple(material.rho_d),
         "rho_s": triple(material.rho_s),
-        "microfacets": if shot.scene.brdf == BrdfModel::Ggx { "GGX" } else { "BECKMANN" },
+        "reflectance": material.reflectance.name(),
+        "ior": ior(material),
+        "microfacets": if shot.scene.brdf.is_ggx() { "GGX" } else { "BECKMANN" },
         "alpha": number((smooth * rough).sqrt()),
         "anisotropy": number(1.0 - ratio.sqrt()),
         "emission": triple(group.emission),
         "texture": picture,
     }))
+}
+
+/// The refractive index of a dielectric.
+fn ior(material: &Material) -> Value {
+    match material.reflectance {
+        Reflectance::Dielectric { ior, .. } => json!(number(ior)),
+        Reflectance::Free | Reflectance::Metal { .. } => Value::Null,
+    }
 }
 
 /// The angle of the smoother direction, along which Blender's tangent goes.

@@ -22,7 +22,9 @@ use crate::{FileError, LightUnits, atomic, gltf};
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
-use unrender_scene::{BrdfModel, Camera, Lens, Lobe, Material, Scene, WardModel, Warnings};
+use unrender_scene::{
+    BrdfModel, Camera, Lens, Lobe, Material, Reflectance, Scene, WardModel, Warnings,
+};
 
 /// What is exported: a scene as one camera sees it.
 #[derive(Clone, Copy, Debug)]
@@ -100,9 +102,22 @@ impl Target {
     /// The lobe that it uses for a scene of `model`: the same if it has it, else the nearest.
     pub fn lobe(self, model: BrdfModel) -> Lobe {
         match self {
-            Self::Blender | Self::Mitsuba if model != BrdfModel::Ggx => Lobe::Beckmann,
             Self::Radiance => Lobe::Model(WardModel::WardGmd.into()),
+            _ if model.is_ggx() => Lobe::Model(model),
+            Self::Blender | Self::Mitsuba => Lobe::Beckmann,
             _ => Lobe::Model(BrdfModel::Ggx),
+        }
+    }
+
+    /// Whether an export has words for this reflectance of a lobe; else it has the free one that looks the same at normal
+    /// incidence.
+    pub fn keeps(self, reflectance: Reflectance) -> bool {
+        match reflectance {
+            Reflectance::Free => true,
+            Reflectance::Dielectric { .. } => {
+                matches!(self, Self::Blender | Self::Gltf | Self::Mitsuba)
+            }
+            Reflectance::Metal { .. } => matches!(self, Self::Blender | Self::Gltf),
         }
     }
 }

@@ -206,6 +206,7 @@ pub(super) struct Material {
     pub(super) name: Option<String>,
     pub(super) pbr_metallic_roughness: Option<Pbr>,
     pub(super) emissive_texture: Option<IgnoredAny>,
+    pub(super) normal_texture: Option<IgnoredAny>,
     #[serde(default)]
     pub(super) emissive_factor: [f64; 3],
     pub(super) alpha_mode: Option<String>,
@@ -276,6 +277,10 @@ pub(super) struct MaterialExtensions {
     pub(super) specular: Option<Specular>,
     #[serde(rename = "KHR_materials_anisotropy")]
     pub(super) anisotropy: Option<Anisotropy>,
+    #[serde(rename = "KHR_materials_clearcoat")]
+    pub(super) clearcoat: Option<Clearcoat>,
+    #[serde(rename = "KHR_materials_transmission")]
+    pub(super) transmission: Option<Transmission>,
     #[serde(flatten)]
     pub(super) unread: Unread,
 }
@@ -315,6 +320,26 @@ pub(super) struct Anisotropy {
     pub(super) anisotropy_strength: f64,
     #[serde(default)]
     pub(super) anisotropy_rotation: f64,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Clearcoat {
+    #[serde(default)]
+    pub(super) clearcoat_factor: f64,
+    #[serde(default)]
+    pub(super) clearcoat_roughness_factor: f64,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Transmission {
+    #[serde(default)]
+    pub(super) transmission_factor: f64,
     #[serde(flatten)]
     pub(super) unread: Unread,
 }

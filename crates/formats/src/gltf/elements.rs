@@ -160,7 +160,7 @@ const ELEMENTS: &[Element] = &[
             ),
             read("extensions", "see extensions"),
             told("emissiveTexture", "the surface emits emissiveFactor all over"),
-            told("normalTexture", "the surface is taken as it is"),
+            told("normalTexture", "the surface is taken as smooth as its mesh"),
             told("occlusionTexture", "it is left out"),
             read("alphaMode", "OPAQUE; others are taken as opaque, with a warning"),
             passed("alphaCutoff", "the warning of alphaMode covers it"),
@@ -336,7 +336,32 @@ const ELEMENTS: &[Element] = &[
             told("anisotropyTexture", "it is left out"),
         ],
     ),
+    element(
+        "materials",
+        "KHR_materials_clearcoat",
+        &[
+            read("clearcoatFactor", COAT),
+            read("clearcoatRoughnessFactor", COAT),
+            told("clearcoatTexture", "it is left out"),
+            told("clearcoatRoughnessTexture", "it is left out"),
+            told("clearcoatNormalTexture", "it is left out"),
+        ],
+    ),
+    element(
+        "materials",
+        "KHR_materials_transmission",
+        &[
+            read(
+                "transmissionFactor",
+                "above zero the shapes of the material are left out, and a recovery masks them",
+            ),
+            passed("transmissionTexture", "where there is glass: all of the shape is left out"),
+        ],
+    ),
 ];
+
+const COAT: &str =
+    "the lobe over a base that is diffuse; over others the coat is left out, with a warning";
 
 /// The attributes of vertices, and how they are taken; `n` is a number, and a `_` may be more.
 const ATTRIBUTES: &[Entry] = &[
@@ -356,7 +381,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// The structures of `document.rs`, each with the element that it is.
-    const STRUCTURES: [(&str, &str); 35] = [
+    const STRUCTURES: [(&str, &str); 37] = [
         ("Document", "file"),
         ("Asset", "asset"),
         ("DocumentExtensions", ""),
@@ -381,6 +406,8 @@ mod tests {
         ("Ior", "KHR_materials_ior"),
         ("Specular", "KHR_materials_specular"),
         ("Anisotropy", "KHR_materials_anisotropy"),
+        ("Clearcoat", "KHR_materials_clearcoat"),
+        ("Transmission", "KHR_materials_transmission"),
         ("Texture", "textures"),
         ("Image", "images"),
         ("Sampler", "samplers"),

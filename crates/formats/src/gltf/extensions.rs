@@ -1,11 +1,13 @@
 //! The extensions of glTF: which are read, and what is said about the others.
 
-use crate::entry::{Entry, Table, Taken, find, read, refused as refusing, told};
+use crate::entry::{Entry, Table, Taken, find, passed, read, refused as refusing, told};
 
 /// The name of the extension that moves, turns and scales textures.
 pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 
 const TRANSPARENT: &str = "transparent surfaces are not modelled; they were taken as opaque";
+const THROUGH: &str =
+    "how light goes through surfaces of KHR_materials_transmission, which are left out";
 const OTHER_PICTURE: &str = "of each texture the PNG or JPEG picture was taken, where it has one";
 
 /// The known extensions, and how they are taken where a file uses them; for those warned of, the end of the
@@ -19,13 +21,13 @@ const EXTENSIONS: &[Entry] = &[
     read("KHR_mesh_quantization", "positions, normals and texture coordinates as whole numbers"),
     read("KHR_node_visibility", "see its properties"),
     read(TEXTURE_TRANSFORM, "see its properties"),
-    told("KHR_materials_transmission", TRANSPARENT),
-    told("KHR_materials_volume", TRANSPARENT),
-    told("KHR_materials_dispersion", TRANSPARENT),
+    read("KHR_materials_transmission", "see its properties"),
+    passed("KHR_materials_volume", THROUGH),
+    passed("KHR_materials_dispersion", THROUGH),
     told("KHR_materials_diffuse_transmission", TRANSPARENT),
     told(
         "KHR_materials_clearcoat",
-        "there is one specular lobe a surface; clearcoats were left out",
+        "there is one specular lobe a surface; a clearcoat is read over a diffuse base, and left out over others",
     ),
     told("KHR_materials_sheen", "the sheen of cloth is not modelled; it was left out"),
     told("KHR_materials_iridescence", "thin films are not modelled; they were left out"),
@@ -83,9 +85,9 @@ pub(super) fn understood() -> impl Iterator<Item = &'static str> {
     EXTENSIONS.iter().filter(|row| row.taken == Taken::Read).map(|row| row.name)
 }
 
-/// Whether the extension `name` is one of them.
+/// Whether the extension `name` is one of them, or is passed over.
 pub(super) fn is_read(name: &str) -> bool {
-    understood().any(|understood| understood == name)
+    find(EXTENSIONS, name).is_some_and(|row| matches!(row.taken, Taken::Read | Taken::PassedOver))
 }
 
 /// Whether a scene without the extension `name` still has its geometry, lights and cameras: an

@@ -6,6 +6,7 @@ use super::transform::Layout;
 use super::{Problem, accessor, extensions};
 use crate::numbers::coarse_step;
 use glam::{DAffine3, DMat3, DVec3, Vec3, Vec4};
+use serde_json::Value;
 use unrender_scene::{Mesh, Warnings};
 
 const TRIANGLES: u32 = 4;
@@ -21,6 +22,10 @@ pub(super) fn world_mesh(
 ) -> Result<Option<Mesh>, Problem> {
     if !(TRIANGLES..=FAN).contains(&primitive.mode) {
         warnings.push("Points and lines of the scene were left out; only triangles count.");
+        return Ok(None);
+    }
+    if lacks_data(source, primitive) {
+        warnings.push("Some meshes are in buffers that are missing; they were left out.");
         return Ok(None);
     }
     let layout = Layout::of(&source.document, primitive.material)?;
@@ -104,6 +109,15 @@ fn local_mesh(source: &Source, primitive: &Primitive, set: usize) -> Result<Opti
     }
     mesh.triangles = triangles(&indices, primitive.mode);
     Ok(Some(mesh))
+}
+
+/// Whether some numbers of `primitive` are in a file that is missing.
+fn lacks_data(source: &Source, primitive: &Primitive) -> bool {
+    let Attributes { position, normal, tangent, texcoord_0, .. } = primitive.attributes;
+    let others = primitive.attributes.others.values().filter_map(Value::as_u64);
+    let others = others.filter_map(|index| usize::try_from(index).ok());
+    let own = [position, normal, tangent, texcoord_0, primitive.indices].into_iter().flatten();
+    own.chain(others).any(|index| source.lacks(index))
 }
 
 /// The accessors of a compressed mesh have no data of their own.

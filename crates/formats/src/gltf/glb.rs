@@ -105,7 +105,7 @@ fn embed_images(glb: &mut Glb, source: &Source) {
         if image.uri.is_none() || image.buffer_view.is_some() {
             continue;
         }
-        let Ok(bytes) = source.image(index) else { continue };
+        let Ok(Some(bytes)) = source.image(index) else { continue };
         let view = glb.push_view(&bytes, None);
         let is_jpeg = bytes.starts_with(&[0xFF, 0xD8]);
         let is_png = bytes.starts_with(b"\x89PNG");

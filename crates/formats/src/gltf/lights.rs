@@ -184,7 +184,8 @@ pub(super) fn camera(
     let world_from_camera = rigid(world_from_node).ok_or_else(|| {
         format!("camera \"{name}\" is scaled to nothing or stands at no finite place; move it")
     })?;
-    Ok(Some(Camera { name, world_from_camera, fov_y_rad, aspect, lens: Lens::default() }))
+    let (size, lens) = (None, Lens::default());
+    Ok(Some(Camera { name, world_from_camera, fov_y_rad, aspect, size, lens }))
 }
 
 /// The motion without scale and shear that keeps the camera's view direction and, nearly, its right

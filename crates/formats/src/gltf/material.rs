@@ -3,16 +3,21 @@
 use super::Problem;
 use super::document::{Material as MaterialJson, TextureInfo};
 use super::source::Source;
-use super::{tell, texture, ward};
+use super::texture::Encoded;
+use super::{principled, tell, texture, ward};
 use crate::numbers::color_and_factor;
 use crate::texels;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::sync::Arc;
-use unrender_scene::{BrdfModel, Group, Material, Rgb, Texture, Warnings};
+use unrender_scene::{BrdfModel, Group, Image, Material, Rgb, Texture, Warnings, Wrap};
 
 /// The reflectance of surfaces that have no material.
 const ASSUMED_RHO_D: f32 = 0.5;
+
+/// A texture whose file is missing is this grey, or this rough. Half of it would make a room of such textures three times
+/// as dark; twice as much is white.
+const UNKNOWN: f32 = 0.5;
 
 /// The group of primitives without a material.
 pub(super) fn default_group(name: &str, warnings: &mut Warnings) -> Group {
@@ -24,26 +29,32 @@ pub(super) fn default_group(name: &str, warnings: &mut Warnings) -> Group {
     Group { name: name.to_owned(), material, emission: Rgb::ZERO }
 }
 
-/// The group of material `json`, and the lobe that it was written for, if it says so.
+/// The BRDF model that the material `json` was written for, if it says so.
+pub(super) fn model(json: &MaterialJson) -> Option<BrdfModel> {
+    let record = json.extras.get(ward::EXTRAS_KEY)?;
+    let layering = record["layering"].as_str().and_then(|name| name.parse().ok());
+    let named: BrdfModel = record["brdf"].as_str()?.parse().ok()?;
+    Some(named.with_layering(layering))
+}
+
+/// The group of material `json` in a scene of the BRDF `model`.
 pub(super) fn group(
     source: &Source,
     json: &MaterialJson,
     name: &str,
+    model: BrdfModel,
     warnings: &mut Warnings,
-) -> Result<(Group, Option<BrdfModel>), Problem> {
+) -> Result<Group, Problem> {
     warn_of_the_unread(json, name, warnings);
     let emission = emission(json).ok_or_else(|| {
         format!("material \"{name}\" has a negative or infinite emission; export the scene again")
     })?;
     let mut reader = Reader { source, name, warnings };
-    let (material, brdf) = match json.extras.get(ward::EXTRAS_KEY) {
-        Some(record) => {
-            let (material, brdf) = reader.exact(json, record)?;
-            (material, Some(brdf))
-        }
-        None => (reader.approximate(json)?, None),
+    let material = match json.extras.get(ward::EXTRAS_KEY) {
+        Some(record) => reader.exact(json, record)?,
+        None => reader.approximate(json, model)?,
     };
-    Ok((Group { name: name.to_owned(), material, emission }, brdf))
+    Ok(Group { name: name.to_owned(), material, emission })
 }
 
 /// The radiance that the material emits; none if it is not a valid one.
@@ -98,31 +109,35 @@ impl Reader<'_> {
         &mut self,
         json: &MaterialJson,
         record: &serde_json::Value,
-    ) -> Result<(Material, BrdfModel), Problem> {
+    ) -> Result<Material, Problem> {
         let name = self.name;
         let fault = |what: &dyn std::fmt::Display| {
             format!("material \"{name}\": extras.unrender {what}; remove or repair it")
         };
         let record: crate::record::Record = serde_json::from_value(record.clone())
             .map_err(|e| fault(&format!("is not valid: {e}")))?;
-        let (mut material, brdf) = record.to_material().map_err(|e| fault(&e))?;
+        let (mut material, _) = record.to_material().map_err(|e| fault(&e))?;
         if let Some(pbr) = &json.pbr_metallic_roughness {
             let factor = self.base_color(pbr.base_color_factor);
             material.texture = self.base_texture(pbr.base_color_texture.as_ref(), factor)?;
         }
-        Ok((material, brdf))
+        Ok(material)
     }
 
     /// The material from glTF's own parameters.
-    fn approximate(&mut self, json: &MaterialJson) -> Result<Material, Problem> {
+    fn approximate(&mut self, json: &MaterialJson, model: BrdfModel) -> Result<Material, Problem> {
         let Some(pbr) = &json.pbr_metallic_roughness else {
             return Ok(self.unstated(json));
         };
         let factor = self.base_color(pbr.base_color_factor);
-        let (metallic, roughness) = self.metallic_roughness(pbr)?;
+        let stated = self.metallic_roughness(pbr)?;
+        let metallic = stated.map_or(0.0, |(metallic, _)| metallic);
         let texture = self.base_texture(pbr.base_color_texture.as_ref(), factor)?;
         let base = texture.as_ref().map_or(factor, |texture| texels::mean(&texture.image));
-        let mut material = ward::from_gltf(base, metallic, roughness, &json.extensions);
+        let mut material = match stated {
+            Some((_, roughness)) => self.lobe((base, metallic, roughness), json, model),
+            None => Material::diffuse(base),
+        };
         material.texture = match texture {
             Some(texture) if metallic == 0.0 => Some(texture),
             Some(texture) if metallic < 1.0 => {
@@ -132,6 +147,37 @@ impl Reader<'_> {
             _ => None,
         };
         Ok(material)
+    }
+
+    /// The material of a base colour, metallic and roughness, without a texture.
+    fn lobe(
+        &mut self,
+        (base, metallic, roughness): (Rgb, f32, f32),
+        json: &MaterialJson,
+        model: BrdfModel,
+    ) -> Material {
+        let name = self.name;
+        let extensions = &json.extensions;
+        // An emission shader of Blender's is exported so; it reflects nothing.
+        let is_lamp = emission(json).is_some_and(|emission| emission != Rgb::ZERO);
+        if is_lamp && base == Rgb::ZERO && roughness >= 1.0 {
+            return Material::diffuse(Rgb::ZERO);
+        }
+        let material = if model.is_principled() {
+            let reading = principled::from_gltf(base, metallic, roughness, extensions);
+            if let Some(doubt) = reading.doubt {
+                self.warnings.push(format!("material \"{name}\" {doubt}."));
+            }
+            reading.material
+        } else {
+            ward::from_gltf(base, metallic, roughness, extensions)
+        };
+        if principled::leaves_coat_out(&material, extensions) {
+            self.warnings.push(format!(
+                "material \"{name}\": its clearcoat was left out; there is one specular lobe a surface."
+            ));
+        }
+        material
     }
 
     /// A material that says nothing about reflectance: black if it is a lamp, else grey.
@@ -161,7 +207,10 @@ impl Reader<'_> {
 
     /// Metallic and roughness; the mean of a texture of them. A material that states neither is
     /// diffuse.
-    fn metallic_roughness(&mut self, pbr: &super::document::Pbr) -> Result<(f32, f32), Problem> {
+    fn metallic_roughness(
+        &mut self,
+        pbr: &super::document::Pbr,
+    ) -> Result<Option<(f32, f32)>, Problem> {
         let name = self.name;
         let stated = [pbr.metallic_factor, pbr.roughness_factor];
         if stated == [None; 2] && pbr.metallic_roughness_texture.is_none() {
@@ -169,21 +218,27 @@ impl Reader<'_> {
                 "material \"{name}\" states neither metallicFactor nor roughnessFactor; it was \
                  taken as diffuse."
             ));
-            return Ok((0.0, 1.0));
+            return Ok(None);
         }
         let [mut metallic, mut roughness] =
             stated.map(|factor| (factor.unwrap_or(1.0) as f32).clamp(0.0, 1.0));
         if let Some(info) = &pbr.metallic_roughness_texture {
-            self.warnings.push(format!(
-                "material \"{name}\": the mean of its metallicRoughnessTexture was taken."
-            ));
-            if let Some((values, ..)) = texture::encoded(self.source, info.index)? {
-                let mean = texels::mean(&values);
-                metallic *= mean.z;
-                roughness *= mean.y;
+            match texture::encoded(self.source, info.index)? {
+                Encoded::Texels(values, ..) => {
+                    let mean = texels::mean(&values);
+                    metallic *= mean.z;
+                    roughness *= mean.y;
+                }
+                Encoded::Missing => {
+                    let what = "its metallicRoughnessTexture is missing; no metal and a roughness of a half were taken";
+                    self.warnings.push(format!("material \"{name}\": {what}."));
+                    metallic = 0.0;
+                    roughness *= UNKNOWN;
+                }
+                Encoded::Other => {}
             }
         }
-        Ok((metallic, roughness))
+        Ok(Some((metallic, roughness)))
     }
 
     /// The texture of the base colour, `factor` multiplied in.
@@ -194,11 +249,22 @@ impl Reader<'_> {
     ) -> Result<Option<Arc<Texture>>, Problem> {
         let Some(info) = info else { return Ok(None) };
         let name = self.name;
-        let Some((encoded, wrap_u, wrap_v)) = texture::encoded(self.source, info.index)? else {
-            self.warnings.push(format!(
-                "material \"{name}\": its texture has no PNG or JPEG picture and was ignored."
-            ));
-            return Ok(None);
+        let (encoded, wrap_u, wrap_v) = match texture::encoded(self.source, info.index)? {
+            Encoded::Texels(encoded, wrap_u, wrap_v) => (encoded, wrap_u, wrap_v),
+            Encoded::Missing => {
+                self.warnings.push(format!(
+                    "material \"{name}\": its texture is missing; grey was taken for it."
+                ));
+                let image = Image::new(1, 1, vec![UNKNOWN * factor]);
+                let wrap = Wrap::Repeat;
+                return Ok(Some(Arc::new(Texture { image, wrap_u: wrap, wrap_v: wrap })));
+            }
+            Encoded::Other => {
+                self.warnings.push(format!(
+                    "material \"{name}\": its texture has no PNG or JPEG picture and was ignored."
+                ));
+                return Ok(None);
+            }
         };
         if texture::is_in_blocks(self.source, info.index) {
             self.warnings.push(format!(

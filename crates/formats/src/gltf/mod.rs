@@ -12,6 +12,7 @@
 
 mod accessor;
 mod assign;
+mod clear;
 mod container;
 mod document;
 mod elements;
@@ -20,9 +21,11 @@ mod geometry;
 mod glb;
 mod graph;
 mod lights;
+mod maps;
 mod material;
 mod names;
 mod place;
+mod principled;
 mod read;
 mod source;
 mod tell;

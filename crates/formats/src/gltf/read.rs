@@ -3,10 +3,10 @@
 use super::graph::{Placed, placed_nodes};
 use super::names::{given, group_names, holder};
 use super::source::{Source, get};
-use super::{Problem, geometry, lights, material, tell, two_sided, units};
+use super::{Problem, clear, geometry, lights, maps, material, tell, two_sided, units};
 use crate::{FileError, Input};
 use std::collections::BTreeMap;
-use unrender_scene::{BrdfModel, Object, Scene, Warnings};
+use unrender_scene::{BrdfModel, Layering, Object, Scene, Warnings};
 
 /// Reads the default scene of the `.glb` or `.gltf` at `path` into world space, with the origin that the input
 /// states.
@@ -39,7 +39,10 @@ fn scene(source: &Source) -> Result<(Scene, Warnings), Problem> {
         placed.world_from_node.translation -= source.scope().origin();
         read_node(source, &placed, &mut scene, &mut warnings)?;
     }
+    clear::leave_out(document, &names, &mut scene);
     scene.brdf = sort_into_groups(source, &names, &mut scene, &mut warnings)?;
+    source.scope().complete()?;
+    scene.left_out_told().into_iter().for_each(|told| warnings.push(told + "."));
     warn_of_missing_uvs(&scene, &mut warnings);
     Ok((scene, warnings))
 }
@@ -120,7 +123,10 @@ fn objects(
     Ok(objects)
 }
 
-/// Makes the materials that objects have into groups; returns the lobe that they were written for.
+/// The model of glTF's own materials.
+const PRINCIPLED: BrdfModel = BrdfModel::Principled(Layering::AlbedoScaled);
+
+/// Makes the materials that objects have into groups; returns the BRDF model that they were written for.
 fn sort_into_groups(
     source: &Source,
     names: &[String],
@@ -130,25 +136,30 @@ fn sort_into_groups(
     let mut group_of = vec![None; names.len()];
     let mut used = vec![false; names.len()];
     scene.objects.iter().for_each(|object| used[object.group] = true);
-    let mut model = None;
+    let written_for = (0..names.len()).filter(|&slot| used[slot]);
+    let mut written_for =
+        written_for.filter_map(|slot| material::model(source.document.materials.get(slot)?));
+    let first = written_for.next();
+    if first.is_some_and(|first| written_for.any(|other| other != first)) {
+        warnings.push("The materials were written for different brdfs; the first one's was taken.");
+    }
+    let model = first.or(source.scope().brdf()).unwrap_or(PRINCIPLED);
     for slot in (0..names.len()).filter(|&slot| used[slot]) {
         group_of[slot] = Some(scene.groups.len());
         let Some(json) = source.document.materials.get(slot) else {
             scene.groups.push(material::default_group(&names[slot], warnings));
             continue;
         };
-        let (group, brdf) = material::group(source, json, &names[slot], warnings)?;
-        scene.groups.push(group);
-        if model.is_some() && brdf.is_some() && model != brdf {
-            warnings
-                .push("The materials were written for different brdfs; the first one's was taken.");
-        }
-        model = model.or(brdf);
+        scene.groups.push(material::group(source, json, &names[slot], model, warnings)?);
     }
+    if !model.is_principled() {
+        scene.free();
+    }
+    maps::tell(&source.document, (names, &used), warnings);
     for object in &mut scene.objects {
         object.group = group_of[object.group].unwrap_or_default();
     }
-    Ok(model.unwrap_or(source.scope().brdf()))
+    Ok(model)
 }
 
 fn warn_of_missing_uvs(scene: &Scene, warnings: &mut Warnings) {

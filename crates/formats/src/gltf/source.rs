@@ -17,7 +17,7 @@ pub(super) struct Source {
     pub(super) json: Value,
     /// The JSON as typed data.
     pub(super) document: Document,
-    /// One entry per buffer, exactly `byteLength` long.
+    /// One entry per buffer, exactly `byteLength` long, or empty if its file is missing.
     pub(super) buffers: Vec<Vec<u8>>,
     /// The units of its lights' intensities.
     pub(super) light_units: LightUnits,
@@ -60,14 +60,29 @@ impl Source {
         })
     }
 
-    /// The encoded bytes (PNG, JPEG) of image `index`.
-    pub(super) fn image(&self, index: usize) -> Result<Cow<'_, [u8]>, Problem> {
+    /// Whether the accessor `index` counts in a buffer whose file is missing.
+    pub(super) fn lacks(&self, index: usize) -> bool {
+        let accessor = self.document.accessors.get(index);
+        accessor.and_then(|accessor| accessor.buffer_view).is_some_and(|view| self.lacks_view(view))
+    }
+
+    fn lacks_view(&self, index: usize) -> bool {
+        let buffer = self.document.buffer_views.get(index).map(|view| view.buffer);
+        let is_empty = |buffer: usize| self.buffers.get(buffer).is_some_and(Vec::is_empty);
+        let announced =
+            |buffer: usize| self.document.buffers.get(buffer).map_or(0, |b| b.byte_length);
+        buffer.is_some_and(|buffer| is_empty(buffer) && announced(buffer) > 0)
+    }
+
+    /// The encoded bytes (PNG, JPEG) of image `index`; none if its file is missing.
+    pub(super) fn image(&self, index: usize) -> Result<Option<Cow<'_, [u8]>>, Problem> {
         let image = get(&self.document.images, index, "image")?;
         match (&image.uri, image.buffer_view) {
-            (_, Some(view)) => Ok(Cow::Borrowed(self.view(view)?)),
+            (_, Some(view)) if self.lacks_view(view) => Ok(None),
+            (_, Some(view)) => Ok(Some(Cow::Borrowed(self.view(view)?))),
             (Some(uri), None) => {
                 let what = format!("image {index}");
-                Ok(Cow::Owned(fetch(uri, &self.folder, &self.scope, &what)?))
+                Ok(fetch(uri, &self.folder, &self.scope, &what)?.map(Cow::Owned))
             }
             (None, None) => {
                 Err(format!("image {index} has neither uri nor bufferView; export the scene again"))
@@ -104,7 +119,13 @@ fn load_buffers(
     let mut buffers = Vec::new();
     for (index, buffer) in document.buffers.iter().enumerate() {
         let mut bytes = match (&buffer.uri, bin) {
-            (Some(uri), _) => fetch(uri, folder, scope, &format!("buffer {index}"))?,
+            (Some(uri), _) => match fetch(uri, folder, scope, &format!("buffer {index}"))? {
+                Some(bytes) => bytes,
+                None => {
+                    buffers.push(Vec::new());
+                    continue;
+                }
+            },
             (None, Some(bin)) if index == 0 => bin.to_owned(),
             _ => return Err(no_data(index, buffer)),
         };
@@ -128,10 +149,10 @@ fn no_data(index: usize, buffer: &Buffer) -> Problem {
     compressed.map_or_else(plain, |name| extensions::refused(name))
 }
 
-/// What stands at `uri`: a data URI, or a file in or below `folder`.
-fn fetch(uri: &str, folder: &Path, scope: &Scope, what: &str) -> Result<Vec<u8>, Problem> {
+/// What stands at `uri`: a data URI, or a file in or below `folder`; none if that is missing.
+fn fetch(uri: &str, folder: &Path, scope: &Scope, what: &str) -> Result<Option<Vec<u8>>, Problem> {
     if let Some(data) = uri.strip_prefix("data:") {
-        return decode_data(data).ok_or_else(|| {
+        return decode_data(data).map(Some).ok_or_else(|| {
             format!("{what} is a data URI that is not valid base64; export the scene again")
         });
     }
@@ -142,8 +163,8 @@ fn fetch(uri: &str, folder: &Path, scope: &Scope, what: &str) -> Result<Vec<u8>,
         ));
     }
     let decoded = percent_encoding::percent_decode_str(uri).decode_utf8_lossy();
-    let bytes = scope.beside(folder, &decoded).and_then(|path| scope.read(&path));
-    bytes.map_err(|problem| {
+    let path = scope.find(folder, &decoded);
+    path.and_then(|path| path.map(|path| scope.read(&path)).transpose()).map_err(|problem| {
         format!("{what} needs the file \"{decoded}\", which {problem}; put it beside the scene")
     })
 }

@@ -4,7 +4,6 @@
 use super::document::{Document, Material, Node, TextureInfo};
 use super::elements;
 use super::unread::{Unread, tell_extension};
-use crate::entry::Taken;
 use unrender_scene::Warnings;
 
 /// Warns of what is not read in the parts that all scenes of the file share.
@@ -61,23 +60,14 @@ pub(super) fn node(document: &Document, node: &Node, warnings: &mut Warnings) {
     mesh.unread.tell("meshes", warnings);
     for primitive in &mesh.primitives {
         primitive.unread.tell("meshes", warnings);
-        let material = primitive.material.and_then(|index| document.materials.get(index));
-        let material = material.and_then(|material| material.name.as_deref()).unwrap_or("");
-        primitive.attributes.others.keys().for_each(|key| tell_attribute(key, material, warnings));
+        primitive.attributes.others.keys().for_each(|key| tell_attribute(key, warnings));
     }
 }
 
-/// Warns that the vertices of meshes of `material` have an attribute `key` that is not read.
-fn tell_attribute(key: &str, material: &str, warnings: &mut Warnings) {
-    match elements::attribute(key) {
-        Some(row) if row.taken == Taken::WarnedOf => warnings.push(format!(
-            "material \"{material}\": the vertex colours ({key}) of its meshes were ignored; {}.",
-            row.done
-        )),
-        Some(_) => {}
-        None => {
-            warnings.push(format!("glTF meshes: the attribute {key} is not read; it was ignored."))
-        }
+/// Warns that vertices have an attribute `key` that is not known; of colours, see `maps.rs`.
+fn tell_attribute(key: &str, warnings: &mut Warnings) {
+    if elements::attribute(key).is_none() {
+        warnings.push(format!("glTF meshes: the attribute {key} is not read; it was ignored."));
     }
 }
 
@@ -93,6 +83,8 @@ pub(super) fn material(json: &Material, name: &str, warnings: &mut Warnings) {
         ("ior", extensions.ior.as_ref().map(|e| &e.unread)),
         ("specular", extensions.specular.as_ref().map(|e| &e.unread)),
         ("anisotropy", extensions.anisotropy.as_ref().map(|e| &e.unread)),
+        ("clearcoat", extensions.clearcoat.as_ref().map(|e| &e.unread)),
+        ("transmission", extensions.transmission.as_ref().map(|e| &e.unread)),
     ];
     for (extension, unread) in of_extensions {
         if let Some(unread) = unread {

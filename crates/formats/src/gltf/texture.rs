@@ -5,15 +5,21 @@ use super::source::{Source, get};
 use crate::texels::decode;
 use unrender_scene::{Image, Rgb, Wrap};
 
-/// The texels of glTF texture `index` as encoded, 0 to 1, and how it goes on beyond its edges.
-/// None if the texture has no picture in a format of plain glTF.
-pub(super) fn encoded(
-    source: &Source,
-    index: usize,
-) -> Result<Option<(Image<Rgb>, Wrap, Wrap)>, Problem> {
+/// The picture of a texture.
+pub(super) enum Encoded {
+    /// Its texels as encoded, 0 to 1, and how it goes on beyond its edges.
+    Texels(Image<Rgb>, Wrap, Wrap),
+    /// Its file is missing.
+    Missing,
+    /// It has none in a format of plain glTF.
+    Other,
+}
+
+/// The picture of glTF texture `index`.
+pub(super) fn encoded(source: &Source, index: usize) -> Result<Encoded, Problem> {
     let texture = get(&source.document.textures, index, "texture")?;
-    let Some(image) = texture.source else { return Ok(None) };
-    let bytes = source.image(image)?;
+    let Some(image) = texture.source else { return Ok(Encoded::Other) };
+    let Some(bytes) = source.image(image)? else { return Ok(Encoded::Missing) };
     let texels =
         decode(source.scope(), &bytes).map_err(|error| format!("image {image} {error}"))?;
     let (u, v) = match texture.sampler {
@@ -23,7 +29,7 @@ pub(super) fn encoded(
         }
         None => (Wrap::Repeat, Wrap::Repeat),
     };
-    Ok(Some((texels, u, v)))
+    Ok(Encoded::Texels(texels, u, v))
 }
 
 /// Whether glTF texture `index` asks for its nearest texel.

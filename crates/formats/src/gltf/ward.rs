@@ -19,7 +19,8 @@ use crate::numbers::{number, triple};
 use crate::record::Record;
 use serde_json::{Map, Value, json};
 use std::f32::consts::{FRAC_PI_2, PI};
-use unrender_scene::{BrdfModel, Material, Rgb};
+use unrender_scene::reflectance::IOR;
+use unrender_scene::{BrdfModel, Material, Reflectance, Rgb};
 
 /// The key in `extras` under which the exact numbers stand.
 pub(super) const EXTRAS_KEY: &str = "unrender";
@@ -44,8 +45,12 @@ pub(super) fn from_gltf(
     if rho_s.max_element() <= 0.0 {
         return Material::diffuse(rho_d);
     }
-    let alpha = roughness * roughness;
-    let mut material = Material::isotropic(rho_d, rho_s, alpha);
+    turned(Material::isotropic(rho_d, rho_s, roughness * roughness), extensions)
+}
+
+/// The isotropic `material`, brushed as `KHR_materials_anisotropy` has it.
+pub(super) fn turned(mut material: Material, extensions: &MaterialExtensions) -> Material {
+    let alpha = material.alpha_x;
     if let Some(anisotropy) = &extensions.anisotropy {
         let strength = (anisotropy.anisotropy_strength as f32).clamp(0.0, 1.0);
         if strength > 0.0 {
@@ -56,7 +61,8 @@ pub(super) fn from_gltf(
     material
 }
 
-fn dielectric_f0(extensions: &MaterialExtensions) -> Rgb {
+/// The reflectance of the dielectric part at normal incidence.
+pub(super) fn dielectric_f0(extensions: &MaterialExtensions) -> Rgb {
     let ior = extensions.ior.as_ref().map_or(GLASS_IOR, |e| e.ior);
     // glTF: an ior of zero means a reflectance of one.
     let f0 = if ior <= 0.0 { 1.0 } else { ((ior - 1.0) / (ior + 1.0)).powi(2) as f32 };
@@ -103,8 +109,14 @@ pub(super) fn assign_material(
     // Programs that know these would use them instead of the numbers above.
     extensions.remove("KHR_materials_pbrSpecularGlossiness");
     extensions.remove("KHR_materials_unlit");
-    if !is_metal {
-        specular_layer(extensions, material.rho_s);
+    extensions.remove("KHR_materials_clearcoat");
+    match material.reflectance {
+        Reflectance::Dielectric { ior, .. } if ior != IOR => {
+            extensions.insert("KHR_materials_ior".into(), json!({ "ior": number(ior) }));
+        }
+        Reflectance::Dielectric { .. } => {}
+        _ if is_metal => {}
+        _ => specular_layer(extensions, material.rho_s),
     }
     if has_lobe && material.alpha_x != material.alpha_y {
         extensions.insert("KHR_materials_anisotropy".into(), anisotropy(material));

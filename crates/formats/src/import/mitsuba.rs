@@ -3,7 +3,7 @@
 //!
 //! Includes, paths, parameters, aliases and references are followed, in any order. Shapes: `ply`, `obj`,
 //! `serialized`, `rectangle`, `cube`, `sphere`, `cylinder`, `disk`, `instance` of a `shapegroup`, `merge`. Emitters:
-//! `area`, `point`, `spot`, `directional`, `constant`, `envmap`. Reflectances: see `bsdf.rs`; colours and textures:
+//! `area`, `point`, `spot`, `directional`, `constant`, `envmap`, `sunsky`, `sky`, `sun`. Reflectances: see `bsdf.rs`; colours and textures:
 //! see `paint.rs`. Cameras: `perspective` and `thinlens`, each sensor becomes one. Plugins of other types are
 //! refused, and each property that is not read is warned of; `plugins.rs` has the table of all.
 //! [Jakob et al., Mitsuba 3 documentation, plugin reference]
@@ -16,13 +16,17 @@ mod lights;
 mod mesh_file;
 mod metals;
 mod motion;
+mod oren_nayar;
 mod paint;
 mod parse;
+pub(crate) mod plastics;
 mod plugins;
 mod references;
 mod sensor;
 mod serialized;
 mod shapes;
+mod sky;
+mod solar;
 mod spectrum;
 mod spot;
 mod tree;
@@ -34,6 +38,7 @@ use crate::FileError;
 use crate::entry::Table;
 use crate::input::{Input, Scope};
 use crate::names::{DEFAULT, unique};
+use crate::told::Told;
 use bsdf::{Reflectance, Reflectances};
 use glam::{Affine2, DAffine3, DVec3, Vec3};
 use lights::Emitter;
@@ -41,7 +46,10 @@ use paint::{Context, color};
 use spectrum::Use;
 use std::collections::BTreeSet;
 use tree::{Node, Tree};
-use unrender_scene::{BrdfModel, Group, Mesh, Object, Rgb, Scene, Warnings};
+use unrender_scene::{BrdfModel, Group, Layering, LeftOut, Mesh, Object, Rgb, Scene, Warnings};
+
+/// The model of Mitsuba's own BSDFs.
+const PRINCIPLED: BrdfModel = BrdfModel::Principled(Layering::Coupled);
 
 /// Memory of an instance of a shape beside its mesh, bytes.
 const SHAPE_BYTES: u64 = 1024;
@@ -55,8 +63,8 @@ pub(crate) fn tables() -> Vec<Table> {
 /// [`load_scene`](crate::load_scene).
 ///
 /// # Errors
-/// If a file is missing or damaged, if a reference has no target, or if there are plugins that cannot be
-/// read.
+/// If files are missing (one error lists them all) or damaged, if a reference has no target, or if there are plugins
+/// that cannot be read.
 pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileError> {
     let input = input.into();
     let fail = |problem: String| FileError::new(input.path, problem);
@@ -70,11 +78,13 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
         scene: Scene::default(),
         microfacets: Vec::new(),
         exact: None,
+        told: Told::default(),
     };
     reader.scene(&tree).map_err(fail)?;
+    scope.complete().map_err(fail)?;
     let scene = reader.finished(&tree);
     let mut warnings = context.warnings.into_inner();
-    tree.unread().into_iter().for_each(|told| warnings.push(told));
+    tree.unread().into_iter().chain(scene.left_out_told()).for_each(|told| warnings.push(told));
     Ok((scene, warnings))
 }
 
@@ -108,6 +118,18 @@ struct Reader<'a> {
     microfacets: Vec<(String, bool)>,
     /// The model of surfaces that are known exactly, if any of them has a lobe.
     exact: Option<BrdfModel>,
+    /// In what groups differ from their BSDFs.
+    told: Told,
+}
+
+/// What a BSDF is.
+enum Found {
+    /// The surface is not there.
+    Nothing,
+    /// It lets light through; the name of the material.
+    Clear(String),
+    /// One of [`Reader::surfaces`].
+    Surface(usize),
 }
 
 impl Reader<'_> {
@@ -115,8 +137,10 @@ impl Reader<'_> {
         let root = tree.node(0);
         let shapes = root.children("shape");
         let used = reachable(tree, shapes.iter().map(|shape| shape.index));
-        for node in root.children("bsdf") {
-            match self.bsdf(node) {
+        // Shapes cannot refer to what has no name: they are as if the file did not have it.
+        let may_be_used = |node: &Node| node.is_named() || used.contains(&node.index);
+        for node in root.children("bsdf").into_iter().filter(may_be_used) {
+            match self.bsdf(node, None) {
                 Err(problem) if !used.contains(&node.index) => {
                     self.context.warn(format!("{problem}; no shape has it"));
                 }
@@ -134,31 +158,38 @@ impl Reader<'_> {
             if node.kind() == "area" && used.contains(&node.index) {
                 continue;
             }
-            match lights::read(self.context, node)? {
-                Emitter::Light(light) => self.scene.lights.push(light),
-                Emitter::Environment(_) if self.scene.environment.is_some() => {
-                    return Err(node.fail("there are two environments; leave one of them out"));
-                }
-                Emitter::Environment(around) => self.scene.environment = Some(around),
+            for emitter in lights::read(self.context, node)? {
+                self.emitter(node, emitter)?;
             }
         }
         Ok(())
     }
 
-    /// The surface of a BSDF; none for a `null`.
-    fn bsdf(&mut self, node: Node) -> Result<Option<usize>, String> {
+    fn emitter(&mut self, node: Node, emitter: Emitter) -> Result<(), String> {
+        match emitter {
+            Emitter::Light(light) => self.scene.lights.push(light),
+            Emitter::Environment(_) if self.scene.environment.is_some() => {
+                return Err(node.fail("there are two environments; leave one of them out"));
+            }
+            Emitter::Environment(around) => self.scene.environment = Some(around),
+        }
+        Ok(())
+    }
+
+    /// What the BSDF `node` is, which stands in or at `shape`.
+    fn bsdf(&mut self, node: Node, shape: Option<Node>) -> Result<Found, String> {
         let source = Source::Bsdf(node.index);
         if let Some(known) = self.surfaces.iter().position(|s| s.source == source) {
-            return Ok(Some(known));
+            return Ok(Found::Surface(known));
         }
         let mut reflectance = self.reflectances.read(self.context, node)?;
+        let name = node.material_name(shape);
         if reflectance.is_nothing {
-            return Ok(None);
+            return Ok(Found::Nothing);
         }
-        let number = self.surfaces.len();
-        let name = node.note().name.clone().filter(|n| !n.is_empty()).unwrap_or_else(|| {
-            if node.id().is_empty() { format!("material {number}") } else { node.id().to_owned() }
-        });
+        if reflectance.is_clear {
+            return Ok(Found::Clear(name));
+        }
         if let Some((material, brdf)) = &node.note().material {
             // Our export lets u grow along the anisotropy direction.
             let texture = reflectance.material.texture.take();
@@ -166,16 +197,16 @@ impl Reader<'_> {
             let theta_rad = if is_even || texture.is_some() { material.theta_rad } else { 0.0 };
             reflectance.material =
                 unrender_scene::Material { theta_rad, texture, ..material.clone() };
-            self.scene.brdf = *brdf;
+            self.exact = Some(*brdf);
         } else if let Some(model) = reflectance.model.filter(|_| reflectance.material.is_glossy()) {
             self.exact = Some(model);
         } else if reflectance.material.is_glossy() {
             self.microfacets.push((name.clone(), reflectance.is_ggx));
         }
         for doubt in reflectance.doubts(node.note().material.is_some()) {
-            self.context.warn(format!("group \"{name}\": {doubt}"));
+            self.told.note(doubt, &name);
         }
-        Ok(Some(self.push(source, name, reflectance)))
+        Ok(Found::Surface(self.push(source, name, reflectance)))
     }
 
     fn push(&mut self, source: Source, name: String, reflectance: Reflectance) -> usize {
@@ -233,27 +264,32 @@ impl Reader<'_> {
         }
         let world = *around * node.motion("to_world")?;
         let emission = self.emission(node)?;
-        let surface = match (node.child("bsdf")?, emission) {
-            (Some(bsdf), _) => match self.bsdf(bsdf)? {
-                Some(surface) => surface,
-                None if emission.is_none() => {
-                    node.pass_all();
-                    return Ok(());
-                }
-                None => self.without_bsdf(Source::Lamp),
-            },
+        let bsdf = node.child("bsdf")?.map(|bsdf| self.bsdf(bsdf, Some(node))).transpose()?;
+        let surface = match (bsdf, emission) {
+            (Some(Found::Surface(surface)), _) => surface,
+            (Some(Found::Nothing), None) => {
+                node.pass_all();
+                return Ok(());
+            }
+            (Some(Found::Clear(material)), None) => {
+                let mesh = self.mesh(node, &world, false)?;
+                let mesh = mesh.map(|mesh| scope.charge(bytes_of(&mesh)).map(|()| mesh));
+                let mesh = mesh.transpose().map_err(|problem| node.fail(problem))?;
+                self.scene.left_out.extend(mesh.map(|mesh| LeftOut { material, mesh }));
+                return Ok(());
+            }
             (None, None) => self.without_bsdf(Source::Nobody),
-            (None, Some(_)) => self.without_bsdf(Source::Lamp),
+            (_, Some(_)) => self.without_bsdf(Source::Lamp),
         };
         let reflectance = &self.surfaces[surface].reflectance;
         let (to_uv, wants_uvs) = (reflectance.to_uv, reflectance.wants_uvs());
-        let mut mesh = self.mesh(node, &world, wants_uvs)?;
+        let Some(mut mesh) = self.mesh(node, &world, wants_uvs)? else { return Ok(()) };
         scope.charge(bytes_of(&mesh)).map_err(|problem| node.fail(problem))?;
         if to_uv != Affine2::IDENTITY {
             mesh.uvs.iter_mut().for_each(|uv| *uv = to_uv.transform_point2(*uv));
         }
         let surface = self.emitting(surface, emission.unwrap_or(Rgb::ZERO));
-        let name = node.note().name.clone().unwrap_or_else(|| node.id().to_owned());
+        let name = node.shape_name();
         self.surfaces[surface].objects.push(Object { name, group: 0, mesh });
         Ok(())
     }
@@ -267,7 +303,8 @@ impl Reader<'_> {
         color(self.context, emitter, "radiance", Use::Emission, 1.0).map(Some)
     }
 
-    fn mesh(&self, node: Node, world: &DAffine3, wants_uvs: bool) -> Result<Mesh, String> {
+    /// The mesh of the shape `node`; none if its file is missing.
+    fn mesh(&self, node: Node, world: &DAffine3, wants_uvs: bool) -> Result<Option<Mesh>, String> {
         let check_round = |world: &DAffine3, axes: [DVec3; 2]| {
             if shapes::stretches(world, axes) {
                 let kind = node.kind();
@@ -287,7 +324,10 @@ impl Reader<'_> {
         };
         let mesh = match node.kind() {
             "ply" | "obj" | "serialized" => {
-                mesh_file::read(self.context, node, (&here, zero), wants_uvs)?
+                match mesh_file::read(self.context, node, (&here, zero), wants_uvs)? {
+                    Some(mesh) => mesh,
+                    None => return Ok(None),
+                }
             }
             "rectangle" => shapes::moved(shapes::rectangle(), &here_from_unit),
             "cube" => shapes::moved(shapes::cube(), &here_from_unit),
@@ -313,34 +353,50 @@ impl Reader<'_> {
                 return Err(node.refused(why));
             }
         };
-        Ok(if node.flag("flip_normals", false)? { turned_over(mesh) } else { mesh })
+        Ok(Some(if node.flag("flip_normals", false)? { turned_over(mesh) } else { mesh }))
     }
 
-    /// Chooses the model that is exact for some; GGX, if all microfacets are; else Ward's, with a
-    /// warning for those of GGX.
+    /// Chooses the model: the one that is exact for some; else principled; where the caller wants a model of free
+    /// reflectances, GGX if all microfacets are, and Ward's with a warning for those of GGX if not.
     fn choose_lobe(&mut self) {
+        let wanted = self.context.scope.brdf().unwrap_or(PRINCIPLED);
         if let Some(model) = self.exact {
             self.scene.brdf = model;
+        } else if wanted.is_principled() {
+            self.scene.brdf = wanted;
         } else if !self.microfacets.is_empty() && self.microfacets.iter().all(|(_, is_ggx)| *is_ggx)
         {
             self.scene.brdf = BrdfModel::Ggx;
             return;
         }
+        if self.scene.brdf.is_principled() {
+            return;
+        }
+        let is_coated = |s: &&mut Surface| !s.reflectance.material.reflectance.is_free();
+        for surface in self.surfaces.iter_mut().filter(is_coated) {
+            let material = &mut surface.reflectance.material;
+            *material = material.clone().freed();
+            let doubt = "it was taken to reflect at all angles as at normal incidence, as the brdf is not principled";
+            self.told.note(doubt, &surface.name);
+        }
         for (name, _) in self.microfacets.iter().filter(|(_, is_ggx)| *is_ggx) {
-            self.context.warn(format!(
-                "group \"{name}\": the roughness of its GGX was taken as Ward's, as other groups are not GGX"
-            ));
+            let doubt = "the roughness of its GGX was taken as Ward's, as other groups are not GGX";
+            self.told.note(doubt, name);
         }
     }
 
     /// The scene with its groups, each with a name of its own.
     fn finished(&mut self, tree: &Tree) -> Scene {
         self.choose_lobe();
-        // BSDFs that stand in others are no groups, unless shapes have them, too.
+        self.told.sentences().for_each(|sentence| self.context.warn(sentence));
+        // BSDFs that stand in others or have no name are no groups, unless shapes have them, too.
         let others = tree.plugins.iter().enumerate().filter(|(_, plugin)| plugin.tag == "bsdf");
         let inner: BTreeSet<usize> = others.flat_map(|(i, _)| tree.node(i).inside()).collect();
         self.surfaces.retain(|surface| match surface.source {
-            Source::Bsdf(index) => !surface.objects.is_empty() || !inner.contains(&index),
+            Source::Bsdf(index) => {
+                let is_named = tree.node(index).is_named();
+                !surface.objects.is_empty() || is_named && !inner.contains(&index)
+            }
             _ => true,
         });
         let wanted: Vec<String> = self.surfaces.iter().map(|s| s.name.clone()).collect();
@@ -355,13 +411,15 @@ impl Reader<'_> {
             let objects = surface.objects.into_iter();
             scene.objects.extend(objects.map(|object| Object { group, ..object }));
         }
+        let mut behind = Told::default();
         for (group, camera) in behind::seen(&scene, &one_sided) {
-            self.context.warn(format!(
-                "group \"{}\": camera \"{camera}\" sees some of it from behind, where it is black \
-                 in Mitsuba (its BSDF is in no twosided); here it reflects from behind, too",
-                scene.groups[group].name
-            ));
+            let doubt = format!(
+                "camera \"{camera}\" sees some of it from behind, where it is black in Mitsuba (its BSDF is in no \
+                 twosided); here it reflects from behind, too"
+            );
+            behind.note(&doubt, &scene.groups[group].name);
         }
+        behind.sentences().for_each(|sentence| self.context.warn(sentence));
         scene
     }
 }

@@ -5,7 +5,7 @@ use crate::input::Scope;
 use crate::{FileError, Input, Limits, picture};
 use std::path::Path;
 use std::sync::Arc;
-use unrender_scene::{Image, Material, Rgb, Scene, Texture, Warnings, Wrap};
+use unrender_scene::{BrdfModel, Image, Material, Rgb, Scene, Texture, Warnings, Wrap};
 
 /// Rounding of a reflectance of one on its way through text and single precision.
 const ROUNDING: f32 = 1e-5;
@@ -47,17 +47,22 @@ fn apply_named(
 ) -> Result<Warnings, FileError> {
     let mut warnings = Warnings::default();
     if let Some(name) = &file.brdf {
-        scene.brdf = name.parse().map_err(|problem: String| FileError::new(origin, problem))?;
+        let named = name.parse().map_err(|problem: String| FileError::new(origin, problem))?;
+        scene.brdf = scene.brdf.renamed(named);
+        if !scene.brdf.is_principled() {
+            scene.free();
+        }
     }
     for (name, entry) in &file.groups {
         let Some(index) = scene.group_index(name) else {
             warnings.push(format!("the scene has no group \"{name}\"; its numbers were not used"));
             continue;
         };
+        let model = scene.brdf;
         let material = &mut scene.groups[index].material;
-        check_ranges(entry).and_then(|()| apply_numbers(entry, material)).map_err(|problem| {
-            FileError::new(origin, format!("the materials' group \"{name}\": {problem}"))
-        })?;
+        check_ranges(entry).and_then(|()| apply_numbers(entry, model, material)).map_err(
+            |problem| FileError::new(origin, format!("the materials' group \"{name}\": {problem}")),
+        )?;
         warnings.extend(apply_texture(name, entry, (folder, scope), material)?);
         if entry.direction.is_some() && entry.theta_deg.is_none() && is_anisotropic(material) {
             warnings.push(format!(
@@ -92,13 +97,18 @@ fn check_ranges(entry: &GroupEntry) -> Result<(), String> {
     Ok(())
 }
 
-fn apply_numbers(entry: &GroupEntry, material: &mut Material) -> Result<(), String> {
+fn apply_numbers(
+    entry: &GroupEntry,
+    model: BrdfModel,
+    material: &mut Material,
+) -> Result<(), String> {
     let reflectance = |rho: [f32; 3]| Rgb::from_array(rho).min(Rgb::ONE);
     material.rho_d = entry.rho_d.map_or(material.rho_d, reflectance);
     material.rho_s = entry.rho_s.map_or(material.rho_s, reflectance);
     material.alpha_x = entry.alpha_x.unwrap_or(material.alpha_x);
     material.alpha_y = entry.alpha_y.unwrap_or(material.alpha_y);
     material.theta_rad = entry.theta_deg.map_or(material.theta_rad, f32::to_radians);
+    entry.reflectance.apply(entry.rho_s.is_some(), model, material)?;
     let one_is_zero = (material.alpha_x > 0.0) != (material.alpha_y > 0.0);
     if material.is_glossy() && one_is_zero {
         return Err(format!(
@@ -129,7 +139,7 @@ fn apply_texture(
         material.texture = Some(Arc::new(Texture { image, wrap_u, wrap_v }));
     } else if entry.rho_d.is_some() && material.texture.take().is_some() {
         // A result states its intention by its hypothesis; a hand-written file may not intend this.
-        if entry.hypothesis.is_none_or(|h| h == Hypothesis::Textured) {
+        if entry.hypothesis.is_none_or(|h| h.of_paper() == Hypothesis::Textured) {
             warnings
                 .push(format!("group \"{group}\": rho_d took the place of the scene's texture"));
         }

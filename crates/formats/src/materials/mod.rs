@@ -7,6 +7,7 @@ mod alternative;
 mod apply;
 mod light_entry;
 mod photograph_entry;
+mod reflectance_entry;
 mod status_entry;
 mod std_entry;
 
@@ -14,6 +15,7 @@ pub use alternative::AlternativeEntry;
 pub use apply::{apply, apply_from, mean_of, read_texture, read_texture_beside};
 pub use light_entry::{LightEntry, PanoramaEntry};
 pub use photograph_entry::{PhotographEntry, PhotographStd};
+pub use reflectance_entry::ReflectanceEntry;
 pub use status_entry::StatusEntry;
 pub use std_entry::StdEntry;
 
@@ -21,6 +23,7 @@ use crate::{FileError, Input, atomic};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
+use unrender_scene::{BrdfModel, Layering, Material, Rgb};
 pub use unrender_scene::{Hypothesis, Status};
 
 /// The version of the format that this crate writes.
@@ -65,10 +68,17 @@ pub struct GroupEntry {
     pub hypothesis: Option<Hypothesis>,
     /// Where the numbers come from.
     pub status: Option<StatusEntry>,
-    /// Diffuse reflectance; the mean of a texture.
+    /// Diffuse reflectance; the mean of a texture. Under a dielectric it is the base: Blender's *Base Color*.
     pub rho_d: Option<[f32; 3]>,
-    /// Specular reflectance.
+    /// The diffuse reflectance as seen at normal incidence: `rho_d` times the share of light that a dielectric lets
+    /// through. Not read.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub albedo_d: Option<[f32; 3]>,
+    /// Specular reflectance; of a dielectric or a metal that at normal incidence.
     pub rho_s: Option<[f32; 3]>,
+    /// What `rho_s` means.
+    #[serde(flatten)]
+    pub reflectance: ReflectanceEntry,
     /// Roughness along the anisotropy direction.
     pub alpha_x: Option<f32>,
     /// Roughness across it.
@@ -125,8 +135,29 @@ pub fn write(path: &Path, file: &MaterialsFile) -> Result<(), FileError> {
 }
 
 impl GroupEntry {
+    /// The share of `rho_d` that is seen at normal incidence: what a dielectric lets through.
+    pub fn base_seen(&self) -> f32 {
+        let alpha_x = self.alpha_x.or(self.alpha_y).unwrap_or(0.0);
+        let mut material = Material {
+            rho_s: self.rho_s.map_or(Rgb::ZERO, Rgb::from_array),
+            alpha_x,
+            alpha_y: self.alpha_y.unwrap_or(alpha_x),
+            ..Material::diffuse(Rgb::ZERO)
+        };
+        let any = BrdfModel::Principled(Layering::default());
+        // What is no valid reflectance is refused where the file is applied.
+        let applied = self.reflectance.apply(self.rho_s.is_some(), any, &mut material);
+        if applied.is_ok() { material.base_seen() } else { 1.0 }
+    }
+
+    /// The diffuse reflectance as seen at normal incidence.
+    pub fn seen_albedo(&self) -> Option<[f32; 3]> {
+        self.albedo_d.or_else(|| self.rho_d.map(|rho| rho.map(|rho| rho * self.base_seen())))
+    }
+
     fn drop_not_finite(&mut self) {
         drop_triple(&mut self.rho_d);
+        drop_triple(&mut self.albedo_d);
         drop_triple(&mut self.rho_s);
         drop_triple(&mut self.direction);
         drop_number(&mut self.alpha_x);

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 use unrender_scene::{Group, Material, Rgb, RgbImage, Texture, Warnings, Wrap};
 
-/// The reflectance of surfaces that have no material, or one that states none.
+/// The reflectance of surfaces that have no material, or one that states none, and of a map that is missing.
 pub(super) const ASSUMED_RHO_D: f32 = 0.5;
 
 /// The group of surfaces whose reflectance no file states.
@@ -61,6 +61,12 @@ pub(super) fn group(
     if let Some(words) = &mtl.map_kd {
         let image = picture(scope, folder, file, words)
             .map_err(|problem| format!("material \"{name}\": its map_Kd \"{words}\" {problem}"))?;
+        let image = image.unwrap_or_else(|| {
+            warnings.push(format!(
+                "material \"{name}\": its map_Kd \"{words}\" is missing; grey was taken for it"
+            ));
+            RgbImage::new(1, 1, vec![Rgb::splat(ASSUMED_RHO_D)])
+        });
         if kd == Rgb::ZERO {
             warnings.push(format!(
                 "material \"{name}\": its Kd is 0, which makes its map_Kd black; state Kd 1 1 1 if \
@@ -75,14 +81,20 @@ pub(super) fn group(
     Ok(Group { name: name.into(), material, emission })
 }
 
-/// The texels of a map: `words` are its options and its file.
-fn picture(scope: &Scope, folder: &Path, mtl: &str, words: &str) -> Result<RgbImage, String> {
+/// The texels of a map: `words` are its options and its file. None if that is missing.
+fn picture(
+    scope: &Scope,
+    folder: &Path,
+    mtl: &str,
+    words: &str,
+) -> Result<Option<RgbImage>, String> {
     let name = without_options(words)?;
     let whole = located(folder, mtl, name);
     let short = || located(folder, mtl, super::text::without_comment(name));
     let path = whole.or_else(short).unwrap_or_else(|| plain(name));
-    let bytes = scope.read(&scope.beside(folder, &path)?)?;
-    Ok(texels::linear(&texels::decode(scope, &bytes)?))
+    let Some(path) = scope.find(folder, &path)? else { return Ok(None) };
+    let bytes = scope.read(&path)?;
+    Ok(Some(texels::linear(&texels::decode(scope, &bytes)?)))
 }
 
 fn plain(name: &str) -> String {

@@ -49,6 +49,7 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
     let mut warnings = Warnings::default();
     let (place, by_object) = ((&scope, input.path), are_objects_groups(&document));
     let scene = scene(place, &document, parts, &materials, &mut warnings).map_err(fail)?;
+    scope.complete().map_err(fail)?;
     tell(input.path, document, &mut warnings);
     let used = scene.groups.iter().map(|group| group.name.as_str());
     materials.tell(used.filter(|_| !by_object), &mut warnings);
@@ -123,7 +124,7 @@ fn scene(
 ) -> Result<Scene, String> {
     let mut slots: Vec<Option<&str>> = Vec::new();
     let mut slot_of: HashMap<Option<&str>, usize> = HashMap::new();
-    let mut scene = Scene { brdf: scope.brdf(), ..Scene::default() };
+    let mut scene = Scene { brdf: scope.brdf().unwrap_or_default(), ..Scene::default() };
     for (index, part) in parts.into_iter().enumerate() {
         let wanted = group_name(document, materials, &part);
         let group = *slot_of.entry(wanted).or_insert(slots.len());

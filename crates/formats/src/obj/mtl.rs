@@ -124,6 +124,8 @@ pub(super) struct Materials {
     /// What was not read of each file: before the first material, and of the materials that are used.
     unread: Vec<Unread>,
     entries: HashMap<String, Entry>,
+    /// The files that are not there.
+    missing: Vec<String>,
 }
 
 impl Materials {
@@ -175,7 +177,10 @@ impl Materials {
 
     /// Warns of what was not read of the materials called `used`.
     pub(super) fn tell<'a>(self, used: impl Iterator<Item = &'a str>, warnings: &mut Warnings) {
-        let Self { files, mut unread, entries } = self;
+        let Self { files, mut unread, entries, missing } = self;
+        for file in missing {
+            warnings.push(format!("the material file \"{file}\" is missing and was left out"));
+        }
         for (name, entry) in used.filter_map(|name| Some((name, entries.get(name)?))) {
             for (what, line) in &entry.unread {
                 unread[entry.file].note(what, *line, Some(name));
@@ -187,10 +192,15 @@ impl Materials {
     }
 
     fn open(&mut self, scope: &Scope, folder: &Path, name: &str) -> Result<(), String> {
-        let read = scope.beside(folder, name).and_then(|path| scope.read(&path));
+        let path = scope.find(folder, name);
+        let read = path.and_then(|path| path.map(|path| scope.read(&path)).transpose());
         let bytes = read.map_err(|problem| {
             format!("needs the material file \"{name}\", which {problem}; put it beside the scene")
         })?;
+        let Some(bytes) = bytes else {
+            self.missing.push(name.to_owned());
+            return Ok(());
+        };
         scope.charge(BYTES_A_BYTE * bytes.len() as u64)?;
         self.file(name, &bytes)
             .map_err(|problem| format!("has the material file \"{name}\", which {problem}"))

@@ -146,7 +146,7 @@ fn files_that_are_missing() {
         json["buffers"][0]["uri"] = json!(uri);
         json.to_string()
     };
-    refused("a.gltf", with_uri("no%20such.bin"), &["\"no such.bin\"", "does not exist"]);
+    refused("a.gltf", with_uri("no%20such.bin"), &["is missing", "\n  no such.bin"]);
     refused("a.gltf", with_uri("data:application/octet-stream;base64,AA"), &["base64"]);
     refused("a.gltf", with_uri("data:application/octet-stream;base64,AAAA"), &["cut short"]);
     refused("a.gltf", with_uri("https://example.com/a.bin"), &["https", "copy it there"]);
@@ -156,7 +156,7 @@ fn files_that_are_missing() {
         json["textures"] = json!([{ "source": 0 }]);
         json["images"] = json!([{ "uri": "gone.png" }]);
     });
-    refused("a.glb", image, &["gone.png", "does not exist"]);
+    refused("a.glb", image, &["gone.png", "is missing"]);
     let no_image = changed(|json, _| {
         json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = json!({ "index": 0 });
         json["textures"] = json!([{ "source": 0 }]);
@@ -198,7 +198,7 @@ fn lights_cameras_and_materials_with_impossible_numbers() {
 fn faulty_obj_files() {
     refused("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", &["line 4", "out of range"]);
     refused("a.obj", "v 0 zero 0\n", &["not a valid OBJ"]);
-    refused("a.obj", "mtllib gone.mtl\nv 0 0 0\n", &["gone.mtl", "does not exist"]);
+    refused("a.obj", "mtllib gone.mtl\nv 0 0 0\n", &["gone.mtl", "is missing"]);
     refused("a.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n", &["finite"]);
     refused("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", &["no light"]);
     let folder = Folder::new();

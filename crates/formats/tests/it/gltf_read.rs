@@ -4,7 +4,9 @@ use crate::support::{Folder, changed, triangle_bytes, triangle_json};
 use glam::{DMat4, DQuat, DVec3, Vec3};
 use serde_json::{Value, json};
 use unrender_formats::{Input, load_scene};
-use unrender_scene::{BrdfModel, LightKind, Material, Rgb, Scene, WardModel, Warnings};
+use unrender_scene::{
+    BrdfModel, Layering, LightKind, Material, Reflectance, Rgb, Scene, WardModel, Warnings,
+};
 
 fn load(bytes: &[u8]) -> (Scene, Warnings) {
     let folder = Folder::new();
@@ -32,7 +34,11 @@ fn the_triangle_is_read_as_it_stands() {
     assert_eq!(scene.objects[0].name, "tri");
     assert_eq!(scene.objects[0].mesh.positions, [Vec3::ZERO, Vec3::X, Vec3::Y]);
     assert_eq!(scene.groups[0].name, "lamp");
-    assert_eq!(scene.groups[0].material, Material::diffuse(Rgb::new(0.25, 0.5, 0.75)));
+    let rho_d = Rgb::new(0.25, 0.5, 0.75);
+    assert_eq!(
+        scene.groups[0].material,
+        Material::plastic(rho_d, 1.5, Layering::AlbedoScaled, 1.0)
+    );
     assert_eq!(scene.groups[0].emission, Rgb::new(8.0, 4.0, 2.0));
 }
 
@@ -247,7 +253,7 @@ fn lights_and_cameras_stand_where_their_nodes_are() {
 }
 
 #[test]
-fn metallic_roughness_becomes_ward() {
+fn metallic_roughness_becomes_plastics_and_metals() {
     let material = |pbr: Value, extensions: Value| {
         let (scene, _) = load_changed(|json, _| {
             json["materials"][0]["pbrMetallicRoughness"] = pbr;
@@ -269,9 +275,44 @@ fn metallic_roughness_becomes_ward() {
     );
     assert_eq!(plastic.rho_d, Rgb::splat(0.5));
     assert!((plastic.rho_s - Rgb::splat(0.04)).length() < 1e-6);
-    let chalk =
-        material(json!({ "baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0 }), json!({}));
-    assert_eq!(chalk, Material::diffuse(Rgb::splat(0.5)));
+    let plain = json!({ "baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0 });
+    let plastic = |ior: f32, alpha: f32| {
+        Material::plastic(Rgb::splat(0.5), ior, Layering::AlbedoScaled, alpha)
+    };
+    assert_eq!(material(plain.clone(), json!({})), plastic(1.5, 1.0));
+    let matt = json!({ "KHR_materials_specular": { "specularFactor": 0 } });
+    assert_eq!(material(plain.clone(), matt), Material::diffuse(Rgb::splat(0.5)));
+    let dense = json!({ "KHR_materials_ior": { "ior": 2 } });
+    let Reflectance::Dielectric { ior, .. } = material(plain.clone(), dense).reflectance else {
+        panic!("a dielectric")
+    };
+    assert!((ior - 2.0).abs() < 1e-4, "{ior}");
+    let half = json!({ "KHR_materials_specular": { "specularFactor": 0.5 } });
+    let found = material(plain.clone(), half).rho_s;
+    assert!((found - Rgb::splat(0.02)).length() < 1e-6, "{found}");
+    let coat = json!({ "clearcoatFactor": 1, "clearcoatRoughnessFactor": 0.2 });
+    let varnish = json!({ "KHR_materials_clearcoat": coat });
+    assert_eq!(material(plain, varnish), plastic(1.5, 0.2 * 0.2));
+    let mixed = material(
+        json!({ "baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0.5, "roughnessFactor": 0.5 }),
+        json!({}),
+    );
+    assert_eq!((mixed.reflectance, mixed.rho_d), (Reflectance::Free, Rgb::splat(0.25)));
+}
+
+#[test]
+fn a_model_of_free_reflectances_gets_these() {
+    let folder = Folder::new();
+    let path = folder.file(
+        "scene.glb",
+        changed(|json, _| {
+            json["materials"][0]["pbrMetallicRoughness"]["roughnessFactor"] = json!(0.5);
+        }),
+    );
+    let (scene, _) = load_scene(Input::from(&path).with_brdf(WardModel::WardGmd.into())).unwrap();
+    let material = &scene.groups[0].material;
+    assert_eq!((material.reflectance, material.alpha_x), (Reflectance::Free, 0.25));
+    assert!((material.rho_s.x - 0.04).abs() < 1e-6);
 }
 
 #[test]

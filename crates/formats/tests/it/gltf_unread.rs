@@ -56,6 +56,8 @@ pub(crate) fn everything() -> Value {
         ("KHR_materials_ior", json!({ "ior": 1.4 })),
         ("KHR_materials_specular", json!({ "specularFactor": 0.5 })),
         ("KHR_materials_anisotropy", json!({ "anisotropyStrength": 0.5 })),
+        ("KHR_materials_transmission", json!({ "transmissionFactor": 0 })),
+        ("KHR_materials_clearcoat", json!({ "clearcoatFactor": 0 })),
     ] {
         material["extensions"][name] = value;
     }
@@ -94,7 +96,7 @@ fn objects(json: &Value, path: &str, found: &mut Vec<String>) {
 fn what_no_reader_asks_for_is_told_in_every_element() {
     let (whole, bin) = (everything(), triangle_bytes());
     let (_, before) = load(&whole, &bin);
-    let harmless = ["mean of its metallicRoughnessTexture"];
+    let harmless = ["of the metallicRoughnessTexture only the mean"];
     let is_harmless = |warning: &String| harmless.iter().any(|part| warning.contains(part));
     assert!(before.0.iter().all(is_harmless), "{before:?}");
     let mut paths = Vec::new();
@@ -128,13 +130,13 @@ fn what_changes_the_looks_of_things_is_told_by_name() {
     let one = |warnings: Vec<String>, part: &str| {
         assert!(warnings.len() == 1 && warnings[0].contains(part), "{part}: {warnings:?}");
     };
-    one(told(attribute("COLOR_0")), "material \"lamp\": the vertex colours (COLOR_0)");
+    one(told(attribute("COLOR_0")), "group \"lamp\": the vertex colours (COLOR_0)");
     one(told(attribute("VELOCITY")), "attribute VELOCITY is not read");
     assert_eq!(told(attribute("TEXCOORD_3")), [""; 0]);
     assert_eq!(told(attribute("_BATCH")), [""; 0]);
     one(
         told(material("normalTexture", json!({ "index": 0 }))),
-        "material \"lamp\": the property normalTexture is not read",
+        "group \"lamp\": the normalTexture is not read",
     );
     one(told(material("occlusionTexture", json!({ "index": 0 }))), "occlusionTexture is not read");
     one(told(material("alphaMode", json!("BLEND"))), "is transparent");
@@ -142,10 +144,10 @@ fn what_changes_the_looks_of_things_is_told_by_name() {
     let extension = |name: &'static str, value: Value| {
         told(move |json| json["materials"][0]["extensions"][name] = value)
     };
-    one(
-        extension("KHR_materials_transmission", json!({ "transmissionFactor": 1 })),
-        "transparent surfaces are not modelled",
-    );
+    // A lamp shines, whatever it lets through.
+    let through = json!({ "transmissionFactor": 1 });
+    assert_eq!(extension("KHR_materials_transmission", through), [""; 0]);
+    one(extension("KHR_materials_diffuse_transmission", json!({})), "transparent surfaces");
     let specular =
         json!({ "specularTexture": { "index": 0 }, "specularColorTexture": { "index": 0 } });
     let warnings = extension("KHR_materials_specular", specular);
@@ -337,4 +339,48 @@ fn unread_things_stay_in_the_file_that_is_written_back() {
     assert!(json["materials"][0]["occlusionTexture"].is_object());
     let used = json["extensionsUsed"].as_array().unwrap();
     assert!(used.contains(&json!("KHR_node_visibility")), "{used:?}");
+}
+
+/// A second triangle, whose material lets `through` a share of the light.
+fn with_a_pane(json: &mut Value, through: f64) {
+    json["materials"].as_array_mut().unwrap().push(json!({
+        "name": "pane",
+        "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0 },
+        "extensions": {
+            "KHR_materials_transmission": { "transmissionFactor": through, "transmissionTexture": { "index": 0 } },
+            "KHR_materials_volume": { "thicknessFactor": 0.1 }
+        }
+    }));
+    json["extensionsUsed"] = json!(["KHR_materials_transmission", "KHR_materials_volume"]);
+    let mut pane = json["meshes"][0]["primitives"][0].clone();
+    pane["material"] = json!(1);
+    json["meshes"][0]["primitives"].as_array_mut().unwrap().push(pane);
+}
+
+#[test]
+fn what_lets_light_through_is_left_out_with_one_line() {
+    let mut json = triangle_json();
+    with_a_pane(&mut json, 0.9);
+    let (scene, warnings) = load(&json, &triangle_bytes());
+    assert_eq!(scene.materials_left_out(), ["pane"]);
+    assert_eq!(scene.left_out[0].mesh.triangles.len(), 1);
+    assert_eq!((scene.objects.len(), scene.groups.len()), (1, 1));
+    assert_eq!(warnings.0.len(), 1, "{warnings:?}");
+    assert!(warnings.0[0].contains("\"pane\" lets light through"), "{warnings:?}");
+    let mut json = triangle_json();
+    with_a_pane(&mut json, 0.0);
+    let (scene, warnings) = load(&json, &triangle_bytes());
+    assert!(scene.left_out.is_empty() && scene.groups.len() == 2, "{warnings:?}");
+}
+
+#[test]
+fn what_many_groups_lack_is_told_once() {
+    let mut json = triangle_json();
+    with_a_pane(&mut json, 0.0);
+    for material in json["materials"].as_array_mut().unwrap() {
+        material["normalTexture"] = json!({ "index": 0 });
+    }
+    let (_, warnings) = load(&json, &triangle_bytes());
+    let told: Vec<_> = warnings.0.iter().filter(|told| told.contains("normalTexture")).collect();
+    assert!(told.len() == 1 && told[0].contains("groups \"lamp\", \"pane\""), "{warnings:?}");
 }

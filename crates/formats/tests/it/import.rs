@@ -5,7 +5,7 @@ use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 use std::path::Path;
 use unrender_formats::load_scene;
-use unrender_scene::{BrdfModel, LightKind, Rgb, Scene, Warnings};
+use unrender_scene::{BrdfModel, Layering, LightKind, Material, Reflectance, Rgb, Scene, Warnings};
 
 fn loaded(path: &Path) -> (Scene, Warnings) {
     load_scene(path).unwrap_or_else(|error| panic!("{error}"))
@@ -78,11 +78,42 @@ fn common_plugins_of_mitsuba_are_read() {
         p.y.abs() < 1e-5 || (p.y - 2.0).abs() < 1e-5
     });
     assert_round(&scene, "plate", PI, |p| p.z.abs() < 1e-5);
-    assert_eq!(scene.brdf, BrdfModel::default());
+    assert_eq!(scene.brdf, BrdfModel::Principled(Layering::Coupled));
     assert_eq!(scene.environment.as_ref().unwrap().mean(), Rgb::ONE);
-    for word in ["microfacets", "plastic was taken"] {
-        assert!(warnings.0.iter().any(|w| w.contains(word)), "{word}: {warnings:?}");
-    }
+    assert!(warnings.0.iter().any(|w| w.contains("microfacets")), "{warnings:?}");
+}
+
+#[test]
+fn plastics_of_mitsuba_are_dielectrics_and_its_metals_metals() {
+    let folder = Folder::new();
+    let bsdf = |bsdf: &str| {
+        let light = "<emitter type=\"area\"><rgb name=\"radiance\" value=\"1\"/></emitter>";
+        let text = format!(
+            "<scene version=\"3.0.0\"><shape type=\"sphere\">{bsdf}{light}</shape></scene>"
+        );
+        loaded(&folder.file("scene.xml", text)).0.groups[0].material.clone()
+    };
+    let indices = "<float name=\"int_ior\" value=\"1.5\"/><float name=\"ext_ior\" value=\"1\"/>";
+    let color = "<rgb name=\"diffuse_reflectance\" value=\"0.5\"/>";
+    let smooth = bsdf(&format!("<bsdf type=\"plastic\">{indices}{color}</bsdf>"));
+    let wanted = Material::plastic(Rgb::splat(0.5), 1.5, Layering::Coupled, 0.0);
+    assert_eq!(smooth.reflectance, wanted.reflectance);
+    assert!((smooth.rho_d - wanted.rho_d).length() < 1e-5, "{smooth:?}");
+    // What is reflected back inside darkens colours: d (1 - Fi)/(1 - d Fi).
+    let nonlinear = "<boolean name=\"nonlinear\" value=\"true\"/>";
+    let dark = bsdf(&format!("<bsdf type=\"plastic\">{indices}{color}{nonlinear}</bsdf>"));
+    let expected = 0.5 * (1.0 - 0.5966) / (1.0 - 0.5 * 0.5966);
+    assert!((dark.rho_d.x - expected).abs() < 1e-3, "{} {expected}", dark.rho_d);
+    let rough = bsdf(&format!(
+        "<bsdf type=\"roughplastic\">{indices}{color}<string name=\"distribution\" value=\"ggx\"/>\
+         <float name=\"alpha\" value=\"0.2\"/></bsdf>"
+    ));
+    assert_eq!((rough.alpha_x, rough.alpha_y, rough.rho_s.x), (0.2, 0.2, wanted.rho_s.x));
+    let gold = bsdf("<bsdf type=\"conductor\"><string name=\"material\" value=\"Au\"/></bsdf>");
+    assert_eq!(gold.reflectance, Reflectance::Metal { multiscatter: false });
+    let perfect =
+        bsdf("<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/></bsdf>");
+    assert_eq!(perfect, Material::mirror(Rgb::ONE));
 }
 
 /// Asserts that the object `name` has about this area, corners where they should be, and its front
@@ -102,7 +133,7 @@ fn assert_round(scene: &Scene, name: &str, area: f32, is_right: impl Fn(&Vec3) -
 }
 
 #[test]
-fn microfacets_are_those_of_ggx_where_all_are() {
+fn microfacets_are_those_of_ggx() {
     let folder = Folder::new();
     let rough = |id: &str, kind: &str| {
         format!(
@@ -117,15 +148,11 @@ fn microfacets_are_those_of_ggx_where_all_are() {
         loaded(&folder.file("scene.xml", format!("<scene version=\"3.0.0\">{one}{other}</scene>")))
     };
     let (all, warnings) = scene(["ggx", "ggx"]);
-    assert_eq!((all.brdf, warnings.0.len()), (BrdfModel::Ggx, 0), "{warnings:?}");
+    assert_eq!((all.brdf.is_principled(), warnings.0.len()), (true, 0), "{warnings:?}");
     let (mixed, warnings) = scene(["ggx", "beckmann"]);
-    assert_eq!(mixed.brdf, BrdfModel::default());
-    let doubts =
-        ["\"one\": the roughness of its GGX", "\"other\": the roughness of its microfacets"];
-    assert!(
-        doubts.iter().all(|doubt| warnings.0.iter().any(|w| w.contains(doubt))),
-        "{warnings:?}"
-    );
+    assert!(mixed.brdf.is_principled());
+    let doubt = |w: &String| w.contains("other") && w.contains("Beckmann");
+    assert!(warnings.0.iter().any(doubt), "{warnings:?}");
 }
 
 #[test]

@@ -453,7 +453,8 @@ fn colors_are_those_of_mitsubas_rgb_modes() {
         let color = "<rgb name=\"diffuse_reflectance\" value=\"0.1 0.5 0.9\"/>";
         let shape =
             format!("<shape type=\"sphere\"><bsdf type=\"plastic\">{color}{more}</bsdf></shape>");
-        scene_in(&folder, &shape).0.groups[0].material.rho_d
+        let material = &scene_in(&folder, &shape).0.groups[0].material;
+        material.rho_d * material.base_seen()
     };
     let near = |found: Rgb, wanted: [f32; 3]| {
         assert!((found - Rgb::from_array(wanted)).length() < 0.01, "{found} {wanted:?}");

@@ -192,7 +192,7 @@ fn mtllib_names_several_files_or_one_with_blanks() {
             assert_eq!(warnings, [""; 0], "{names}");
         }
     }
-    assert!(problem("mtllib a.mtl gone.mtl\n").contains("\"a.mtl\", which cannot be read"));
+    assert!(problem("mtllib a.mtl gone.mtl\n").contains("2 files that it names are missing"));
     // The same material in several files causes no warning.
     let (_, warnings) = model(&folder, format!("mtllib a.mtl my two.mtl b.mtl\n{SQUARE}{TWO}"));
     assert_eq!(warnings, [""; 0]);

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use unrender_scene::Rgb;
 
 /// Which reflectances are free.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Terms {
     /// `rho_d` alone.
     Diffuse,
@@ -25,6 +25,8 @@ pub enum Terms {
     Specular,
     /// Both.
     Both,
+    /// `rho_d` beside this `rho_s`.
+    Beside(f32),
 }
 
 /// The reflectances that fit best and what they leave.
@@ -167,6 +169,7 @@ pub fn fit(
                 Terms::Diffuse => (sums.best_d(0.0, &limits), 0.0),
                 Terms::Specular => (0.0, sums.best_s(0.0, &limits)),
                 Terms::Both => sums.best_pair(&limits),
+                Terms::Beside(s) => (sums.best_d(f64::from(s), &limits), f64::from(s)),
             };
             let next: Vec<bool> = bounds.iter().map(|bound| !bound.is_met(best)).collect();
             if next == counts {

@@ -5,8 +5,8 @@
 //! single start can reach a wrong minimum); then direction and roughness are refined together by downhill simplex, the
 //! reflectances inside by least squares.
 
-use super::isotropic;
 use super::{Fit, Hypothesis, Search};
+use super::{isotropic, roughness};
 use crate::evidence::Evidence;
 use crate::expected::{ALPHA_RANGE, Expected};
 use crate::fit::simplex;
@@ -72,7 +72,7 @@ fn anywhere(
     let downhill = |best: [f32; 3]| {
         let first = [f64::from(best[0]).ln(), f64::from(best[1]).ln(), f64::from(best[2])];
         let size = [0.2, 0.2, 0.3];
-        let (best, cost) = simplex::minimise(cost, &first, &size, isotropic::LIKELY, STEPS[0]);
+        let (best, cost) = simplex::minimise(cost, &first, &size, roughness::LIKELY, STEPS[0]);
         (cost, shape_of(&best))
     };
     let best_of = |shapes: Vec<[f32; 3]>| {
@@ -83,7 +83,7 @@ fn anywhere(
     };
     let usual = best_of(std::iter::once(first).chain(shapes).collect()).unwrap_or(first);
     let started = best_of(started(&evidence.expected)).map(downhill);
-    isotropic::preferred(downhill(usual), started)
+    roughness::preferred(downhill(usual), started)
 }
 
 /// The starting shapes with the user's numbers; where none is stated, those of the usual search. Empty if none at all

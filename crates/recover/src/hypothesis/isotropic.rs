@@ -6,21 +6,34 @@
 //! at every roughness (variable projection [Golub and Pereyra 1973]), one parameter is left, and
 //! `rho_s = 1` is an edge of the box like any other.
 
-use super::{Fit, Hypothesis, Search, judged};
+use super::roughness::{GLOBAL, LIKELY, STEPS, downhill_by, preferred};
+use super::{Fit, Hypothesis, Search, judged, plastic};
 use crate::evidence::Evidence;
 use crate::fit::simplex;
-use crate::likelihood::Likelihood;
 use rayon::prelude::*;
 use unrender_scene::{Material, Rgb};
 
-/// The steps of the global search: each about 1.6 times the one before.
-const GLOBAL: [f32; 10] = [0.01, 0.016, 0.025, 0.04, 0.065, 0.1, 0.16, 0.25, 0.4, 0.65];
-
-/// Steps of a global and of a local search.
-const STEPS: [u64; 2] = [30, 15];
-
-/// Roughness and reflectances that explain the evidence best.
+/// Roughness and reflectances that explain the evidence best; where the model has plastics, the plastic unless a free
+/// reflectance is certainly better.
 pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
+    let is_plastic = !start.reflectance.is_free();
+    if !evidence.model.is_principled()
+        || (search == Search::Kept && start.is_glossy() && !is_plastic)
+    {
+        return free(evidence, start, search);
+    }
+    match plastic::fit(evidence, start, search) {
+        Some(plastic) if search == Search::Kept && is_plastic => plastic,
+        Some(plastic) => {
+            let free = free(evidence, start, search);
+            if plastic::is_beaten(&plastic, &free, evidence) { free } else { plastic }
+        }
+        None => free(evidence, start, search),
+    }
+}
+
+/// The same with a free reflectance.
+fn free(evidence: &Evidence, start: &Material, search: Search) -> Fit {
     let diffuse = evidence.diffuse();
     let known = (start.alpha_x * start.alpha_y).sqrt();
     let round = |alpha: f32| {
@@ -58,24 +71,6 @@ fn anywhere(evidence: &Evidence) -> f32 {
     let best = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.1, |best| best.1);
     preferred(downhill(best), evidence.expected.start.alpha_x.map(downhill))
 }
-
-/// The usual minimum takes the place of the one that the user's start leads to if its deviance is lower by
-/// this, which is strong evidence [Kass and Raftery 1995]. At half of it noise overrules the user, at double a
-/// start that is wrong stays.
-const STRONGER: f64 = 6.0;
-
-/// The minimum that the user's start leads to, unless the `usual` one is strongly more likely; both with
-/// their deviances.
-pub(super) fn preferred<T>(usual: (f64, T), started: Option<(f64, T)>) -> T {
-    match started {
-        Some(started) if started.0 <= usual.0 + STRONGER => started.1,
-        _ => usual.1,
-    }
-}
-
-/// Global searches stop when the deviances at the corners of the simplex differ by less than this: a
-/// tenth of what counts as evidence.
-pub(super) const LIKELY: f64 = 0.5;
 
 /// The deviance of a lobe of the shape `[alpha_x, alpha_y, theta]` with the reflectances that fit
 /// best. Searches go by it and not by the product of the residuals of two renderings, which may be
@@ -116,17 +111,8 @@ pub(super) fn downhill(
         let specular = evidence.lobe(shape[0], shape[1], shape[2]);
         with_lobe(Hypothesis::Isotropic, evidence, diffuse, shape, &specular)
     };
-    let Likelihood { light, error, .. } = fitted(at(first)).likelihood;
-    let cost = |p: &[f64]| {
-        Likelihood::given(&fitted(at(p)).residuals, &evidence.field, (light, error)).deviance
-    };
-    let (best, _) = simplex::minimise(cost, first, size, SETTLED, steps);
-    at(&best)
+    at(&downhill_by(evidence, &|p| fitted(at(p)), (first, size), steps))
 }
-
-/// Local searches stop when the deviances at the corners of the simplex differ by less than this: a
-/// hundredth of what one standard deviation of a number costs.
-const SETTLED: f64 = 0.01;
 
 /// The fit with the lobe's shape `[alpha_x, alpha_y, theta]` found.
 pub(super) fn finish(

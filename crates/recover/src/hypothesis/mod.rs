@@ -12,6 +12,8 @@ pub mod diffuse_specular;
 pub mod isotropic;
 pub mod mirror;
 pub mod partial_mirror;
+mod plastic;
+mod roughness;
 pub mod textured;
 
 use crate::block_residuals::BlockResiduals;
@@ -36,27 +38,28 @@ pub const UNIFORM: [Hypothesis; 6] = [
 /// Fits a uniform hypothesis to the evidence, near `start` where it has a roughness to find.
 /// The textured hypothesis needs more than a sample of pixels: see [`textured`].
 pub fn fit(rung: Hypothesis, evidence: &Evidence, start: &Material, search: Search) -> Fit {
-    match rung {
+    match rung.of_paper() {
         Hypothesis::Diffuse | Hypothesis::Textured => diffuse::fit(evidence),
         Hypothesis::Mirror => mirror::fit(evidence),
         Hypothesis::PartialMirror => partial_mirror::fit(evidence),
         Hypothesis::DiffuseSpecular => diffuse_specular::fit(evidence),
         Hypothesis::Isotropic => isotropic::fit(evidence, start, search),
-        Hypothesis::Anisotropic => anisotropic::fit(evidence, start, search),
+        _ => anisotropic::fit(evidence, start, search),
     }
 }
 
-/// The free numbers of a rung, which model selection counts and the joint refinement refines; of a
-/// texture its mean.
-pub(crate) fn quantities(rung: Hypothesis) -> &'static [Quantity] {
+/// The free numbers of a rung with a `material` of it, which model selection counts and the joint refinement refines; of a
+/// texture its mean. The reflectance of a plastic's lobe is fixed.
+pub(crate) fn quantities(rung: Hypothesis, material: &Material) -> &'static [Quantity] {
     use Quantity::{Alpha, AlphaX, AlphaY, RhoD, RhoS, Theta};
-    match rung {
+    match rung.of_paper() {
+        Hypothesis::Isotropic if !material.reflectance.is_free() => &[RhoD, Alpha],
         Hypothesis::Diffuse | Hypothesis::Textured => &[RhoD],
         Hypothesis::Mirror => &[],
         Hypothesis::PartialMirror => &[RhoS],
         Hypothesis::DiffuseSpecular => &[RhoD, RhoS],
         Hypothesis::Isotropic => &[RhoD, RhoS, Alpha],
-        Hypothesis::Anisotropic => &[RhoD, RhoS, AlphaX, AlphaY, Theta],
+        _ => &[RhoD, RhoS, AlphaX, AlphaY, Theta],
     }
 }
 

@@ -292,7 +292,7 @@ impl<'o> Candidates<'o> {
         Some(Proposal {
             hypothesis: Hypothesis::Textured,
             is_more_complex: present < Hypothesis::Textured,
-            adds: added(present, Hypothesis::Textured),
+            adds: added(state, group, (Hypothesis::Textured, &material)),
             material,
             ..Proposal::uniform(state, group, uniform, &[], None)
         })

@@ -75,7 +75,7 @@ impl Proposal {
             group,
             hypothesis,
             is_more_complex: hypothesis > present,
-            adds: added(present, hypothesis),
+            adds: added(state, group, (hypothesis, &material)),
             material,
             residual,
             likelihood: None,
@@ -114,7 +114,8 @@ impl Proposal {
         let then = *self.then?;
         let present = state.groups[then.group].hypothesis;
         let is_more_complex = then.hypothesis > present;
-        Some(Self { is_more_complex, adds: added(present, then.hypothesis), ..then })
+        let adds = added(state, then.group, (then.hypothesis, &then.material));
+        Some(Self { is_more_complex, adds, ..then })
     }
 
     /// Writes into the group's selection log whether the change was accepted.
@@ -146,7 +147,8 @@ impl Proposal {
     }
 }
 
-/// How many more free parameters `next` has than `present`.
-pub(super) fn added(present: Hypothesis, next: Hypothesis) -> f64 {
-    parameters(next) - parameters(present)
+/// How many more free parameters `next` has than the present hypothesis of `group`.
+pub(super) fn added(state: &State<'_>, group: usize, next: (Hypothesis, &Material)) -> f64 {
+    let present = state.groups[group].hypothesis;
+    parameters(next.0, next.1) - parameters(present, &state.materials[group])
 }

@@ -294,7 +294,9 @@ fn equal_brightness(state: &mut State<'_>, means: &[Mean]) {
             let ratio = factor / means::brightness(means, |g| g == group);
             let material = &mut state.materials[group];
             material.rho_d = (material.rho_d * ratio).clamp(Rgb::ZERO, Rgb::ONE);
-            material.rho_s = (material.rho_s * ratio).clamp(Rgb::ZERO, Rgb::ONE);
+            if material.reflectance.is_free() {
+                material.rho_s = (material.rho_s * ratio).clamp(Rgb::ZERO, Rgb::ONE);
+            }
             *material = spec.expected.bounds.nearest(material);
         }
     }

@@ -66,7 +66,8 @@ pub(super) fn find(list: &[Unknown], at: At<'_>) -> Vec<Relation> {
         let other = &at.state.groups[group].hypothesis;
         let is_uniform = |hypothesis: &Hypothesis| *hypothesis != Hypothesis::Textured;
         let own = &at.state.groups[unknown.of].hypothesis;
-        let has_it = hypothesis::quantities(*other).contains(&unknown.quantity);
+        let has_it =
+            hypothesis::quantities(*other, &at.state.materials[group]).contains(&unknown.quantity);
         if !(has_it && is_uniform(other) && is_uniform(own)) {
             return None;
         }

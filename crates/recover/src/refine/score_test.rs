@@ -100,7 +100,10 @@ pub(crate) fn certainty(
         variance += share * more * more;
         independent += share;
     }
-    let free = |snapshot: &Snapshot| parameters(hypothesis::of(snapshot.material(group)));
+    let free = |snapshot: &Snapshot| {
+        let material = snapshot.material(group);
+        parameters(hypothesis::of(material), material)
+    };
     let cost = (free(specular) - free(diffuse)) * f64::max(independent, 1.0).ln();
     (gain - cost) / variance.sqrt().max(f64::MIN_POSITIVE)
 }

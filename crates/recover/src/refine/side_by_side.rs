@@ -9,11 +9,12 @@
 use super::contenders::{self, Contender, PixelSample, Rung};
 use crate::block_residuals::BlockResiduals;
 use crate::contrast::{Contrast, Side};
+use crate::criterion::Excess;
 use crate::effort::Effort;
 use crate::model_error::{Allowance, LightError, ModelError};
 use crate::problem::Options;
 use crate::sample_budget::TOGETHER;
-use crate::selection::{self, Excess, parameters};
+use crate::selection::{self, parameters};
 use crate::state::State;
 use unrender_render::sampler::mix;
 use unrender_render::{Integrator, Settings};
@@ -136,7 +137,7 @@ impl Contenders<'_> {
     /// The information criterion of `a` less that of `b`.
     fn excess(&self, [a, b]: [&Contender; 2]) -> Excess {
         let Difference { value, variance, independent } = self.difference([a, b]);
-        let [first, second] = [a, b].map(|of| parameters(of.rung.hypothesis));
+        let [first, second] = [a, b].map(|of| parameters(of.rung.hypothesis, &of.rung.material));
         let count = (independent * self.sample.blocks.len() as f64).max(1.0);
         // Each is compared without the loss by the noise of its fit, which is a sum of squares.
         let corrected = value + b.loss - a.loss;

@@ -11,7 +11,7 @@ use crate::state::{GroupState, State};
 use crate::unknown::{Quantity, Unknown};
 use nalgebra::DVector;
 use unrender_render::Parameter;
-use unrender_scene::{Image, Rgb};
+use unrender_scene::{Image, Material, Rgb};
 
 /// The largest relative step of a reflectance that is taken as one of its reciprocal: it doubles it. At half of it dark
 /// groups need more passes, at double they jump to infinity.
@@ -38,11 +38,11 @@ struct Column {
 
 /// The kinds of numbers that are free in a group: those of its rung, but for a texture that is seen as a
 /// whole, which its own pixels determine.
-fn quantities(of_group: &GroupState) -> &'static [Quantity] {
+fn quantities(of_group: &GroupState, material: &Material) -> &'static [Quantity] {
     let is_guessed = |seen: &Image<bool>| textured::is_partly_unseen(seen);
     match of_group.hypothesis {
         Hypothesis::Textured if !of_group.seen_texels.as_ref().is_some_and(is_guessed) => &[],
-        hypothesis => hypothesis::quantities(hypothesis),
+        hypothesis => hypothesis::quantities(hypothesis, material),
     }
 }
 
@@ -54,7 +54,7 @@ impl Unknowns {
         for (group, spec) in state.problem.groups.iter().enumerate() {
             let of_group = &state.groups[group];
             if spec.role == Role::Unknown && of_group.status != Status::Assumed {
-                for &quantity in quantities(of_group) {
+                for &quantity in quantities(of_group, &state.materials[group]) {
                     push(&mut list, quantity, group);
                 }
             }
@@ -68,7 +68,7 @@ impl Unknowns {
     /// The numbers of `group` alone.
     pub(super) fn of_group(state: &State<'_>, group: usize) -> Self {
         let mut list = Vec::new();
-        for &quantity in quantities(&state.groups[group]) {
+        for &quantity in quantities(&state.groups[group], &state.materials[group]) {
             push(&mut list, quantity, group);
         }
         Self::new(list, state)

@@ -53,7 +53,7 @@ fn start() -> Vec<Material> {
         alpha_x: m.alpha_x * 1.15,
         alpha_y: m.alpha_y * 1.15,
         theta_rad: m.theta_rad + 0.08,
-        texture: None,
+        ..m
     };
     truth().into_iter().map(off).collect()
 }

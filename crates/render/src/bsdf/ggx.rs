@@ -32,6 +32,12 @@ impl GgxLobe {
         Self { alpha_x: alpha_x.max(ALPHA_MIN), alpha_y: alpha_y.max(ALPHA_MIN) }
     }
 
+    /// The two roughnesses.
+    #[inline]
+    pub(super) fn alphas(&self) -> [f32; 2] {
+        [self.alpha_x, self.alpha_y]
+    }
+
     /// `w`, sr^-1, for two directions above the surface.
     #[inline]
     pub fn value(&self, wo: Vec3, wi: Vec3) -> f32 {

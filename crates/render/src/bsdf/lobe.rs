@@ -20,7 +20,7 @@ impl GlossyLobe {
     pub fn new(model: impl Into<BrdfModel>, alpha_x: f32, alpha_y: f32) -> Self {
         match model.into() {
             BrdfModel::Ward(form) => Self::Ward(WardLobe::new(form, alpha_x, alpha_y)),
-            BrdfModel::Ggx => Self::Ggx(GgxLobe::new(alpha_x, alpha_y)),
+            BrdfModel::Ggx | BrdfModel::Principled(_) => Self::Ggx(GgxLobe::new(alpha_x, alpha_y)),
         }
     }
 
@@ -31,6 +31,16 @@ impl GlossyLobe {
             Self::Ward(lobe) => lobe.value(wo, wi),
             Self::Ggx(lobe) => lobe.value(wo, wi),
         }
+    }
+
+    /// The derivatives of the mean roughness `sqrt(alpha_x alpha_y)` by `alpha_x` and by `alpha_y`.
+    #[inline]
+    pub(super) fn mean_alpha_slopes(&self) -> [f32; 2] {
+        let [x, y] = match self {
+            Self::Ward(lobe) => lobe.alphas(),
+            Self::Ggx(lobe) => lobe.alphas(),
+        };
+        [0.5 * (y / x).sqrt(), 0.5 * (x / y).sqrt()]
     }
 
     /// [`GlossyLobe::value`] with its derivatives.

@@ -1,6 +1,7 @@
-//! Reflectance: `f = rho_d/pi + rho_s w` [Boivin and Gagalowicz 2002, section 4.2].
+//! Reflectance: `f = rho_d/pi + rho_s w` [Boivin and Gagalowicz 2002, section 4.2], or with the reflectance of a
+//! dielectric or a metal in the place of `rho_s` ([`coat`]).
 //!
-//! One BRDF is one file. To add another: give it `value`, `pdf`, `sample` and the derivatives by
+//! One lobe is one file. To add another: give it `value`, `pdf`, `sample` and the derivatives by
 //! its shape parameters in a file of its own, let [`Bsdf`] choose it, and run it through
 //! `tests/bsdf_laws.rs`.
 //!
@@ -8,6 +9,7 @@
 //! direction of brushing), z the shading normal on the viewer's side. Both `wo`, towards the
 //! camera, and `wi`, towards the light, point away from the surface.
 
+pub mod coat;
 pub mod ggx;
 pub mod lambert;
 pub mod lobe;
@@ -15,6 +17,7 @@ pub mod mirror;
 pub mod ward;
 
 use crate::guiding::VmfMixture;
+use coat::{Base, Coat};
 use glam::Vec3;
 use lobe::GlossyLobe;
 use unrender_scene::color::luminance;
@@ -32,35 +35,21 @@ pub enum Specular {
     Glossy(GlossyLobe),
 }
 
-/// The terms of `f` for one pair of directions: `f = rho_d diffuse + rho_s specular.value`. So
-/// `diffuse` is `df/d rho_d`, `specular.value` is `df/d rho_s`, and `rho_s` times the other members
-/// of `specular` are the derivatives of `f` by the shape parameters.
+/// `f` for one pair of directions, and its derivatives; sr^-1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Terms {
-    /// The factor of `rho_d`, sr^-1.
-    pub diffuse: f32,
-    /// The factor of `rho_s` and its derivatives, sr^-1.
-    pub specular: LobeDerivatives,
-}
-
-impl Terms {
-    /// `f`, sr^-1.
-    pub fn value(&self, rho_d: Rgb, rho_s: Rgb) -> Rgb {
-        rho_d * self.diffuse + rho_s * self.specular.value
-    }
-}
-
-impl Specular {
-    /// The terms of `f` without the cosine, for two directions above the surface. A perfect mirror,
-    /// a delta distribution, has the value zero.
-    #[inline]
-    pub fn terms(&self, wo: Vec3, wi: Vec3) -> Terms {
-        let specular = match self {
-            Self::Glossy(lobe) => lobe.derivatives(wo, wi),
-            _ => LobeDerivatives::default(),
-        };
-        Terms { diffuse: lambert::VALUE, specular }
-    }
+    /// `f`.
+    pub value: Rgb,
+    /// `df / d rho_d`.
+    pub by_rho_d: f32,
+    /// `df / d rho_s`.
+    pub by_rho_s: Rgb,
+    /// `df / d alpha_x`.
+    pub by_alpha_x: Rgb,
+    /// `df / d alpha_y`.
+    pub by_alpha_y: Rgb,
+    /// `df / d theta`, per radian.
+    pub by_theta: Rgb,
 }
 
 /// The BRDF at one point, prepared for evaluation and sampling.
@@ -72,6 +61,8 @@ pub struct Bsdf<'a> {
     pub rho_s: Rgb,
     /// The specular term.
     pub specular: Specular,
+    /// How it reflects.
+    pub coat: Coat,
     /// The probability with which sampling chooses the specular term.
     specular_share: f32,
     /// Guides the sampling of the diffuse term, beside the cosine.
@@ -101,18 +92,22 @@ impl<'a> Bsdf<'a> {
         } else {
             Specular::None
         };
-        Self::with(rho_d, material.rho_s, specular)
+        // Without a specular term nothing lies over the base.
+        let coat = if specular == Specular::None { Coat::Free } else { Coat::new(material) };
+        Self { coat, ..Self::with(rho_d, material.rho_s, specular) }
     }
 
-    /// The BRDF of a diffuse and a specular term.
+    /// The BRDF of a diffuse and a specular term of free reflectance.
     pub fn with(rho_d: Rgb, rho_s: Rgb, specular: Specular) -> Self {
-        let (diffuse_power, specular_power) = (luminance(rho_d), luminance(rho_s));
-        let specular_share = match specular {
-            Specular::None => 0.0,
-            _ if diffuse_power <= 0.0 => 1.0,
-            _ => (specular_power / (diffuse_power + specular_power)).clamp(0.1, 0.9),
-        };
-        Self { rho_d, rho_s, specular, specular_share, guide: &VmfMixture::NONE }
+        let (coat, guide) = (Coat::Free, &VmfMixture::NONE);
+        let specular_share = specular_share(rho_d, rho_s, specular);
+        Self { rho_d, rho_s, specular, coat, specular_share, guide }
+    }
+
+    /// The same BRDF over another base.
+    #[inline]
+    pub fn over(self, rho_d: Rgb) -> Self {
+        Self { rho_d, specular_share: specular_share(rho_d, self.rho_s, self.specular), ..self }
     }
 
     /// The same BRDF, with the sampling of its diffuse term guided by `guide`, given in its frame.
@@ -159,14 +154,59 @@ impl<'a> Bsdf<'a> {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return (Rgb::ZERO, 0.0);
         }
-        let value = self.rho_d * lambert::VALUE;
+        let value = self.rho_d * (lambert::VALUE * self.coat.base(wo.z, wi.z));
         let pdf = (1.0 - self.specular_share) * lambert::pdf(wi);
         match self.specular {
             Specular::Glossy(lobe) => {
                 let (specular, density) = lobe.value_and_pdf(wo, wi);
-                (value + self.rho_s * specular, pdf + self.specular_share * density)
+                let reflectance = self.coat.reflectance(self.rho_s, wo, wi);
+                (value + reflectance * specular, pdf + self.specular_share * density)
             }
             Specular::None | Specular::Mirror => (value, pdf),
+        }
+    }
+
+    /// `f` and its derivatives for two directions above the surface, over a base of the reflectance `rho_d`. A
+    /// perfect mirror, a delta distribution, has the value zero.
+    #[inline]
+    pub fn terms(&self, rho_d: Rgb, wo: Vec3, wi: Vec3) -> Terms {
+        let Base { factor, by_alpha: base_by_alpha } = self.coat.base_slope(wo.z, wi.z);
+        let by_rho_d = lambert::VALUE * factor;
+        let base = Terms { value: rho_d * by_rho_d, by_rho_d, ..Terms::default() };
+        let Specular::Glossy(lobe) = self.specular else { return base };
+        let LobeDerivatives { value, by_alpha_x, by_alpha_y, by_theta } = lobe.derivatives(wo, wi);
+        let factor = self.coat.factor(self.rho_s, wo, wi);
+        let terms = Terms {
+            value: base.value + factor.value * value,
+            by_rho_d,
+            by_rho_s: factor.by_rho_s * value,
+            by_alpha_x: factor.value * by_alpha_x,
+            by_alpha_y: factor.value * by_alpha_y,
+            by_theta: factor.value * by_theta,
+        };
+        if self.coat == Coat::Free {
+            return terms;
+        }
+        // The coat knows the mean roughness alone, whose derivatives by the two are these.
+        let by_mean = rho_d * (lambert::VALUE * base_by_alpha) + factor.by_alpha * value;
+        let [by_x, by_y] = lobe.mean_alpha_slopes();
+        Terms {
+            by_alpha_x: terms.by_alpha_x + by_mean * by_x,
+            by_alpha_y: terms.by_alpha_y + by_mean * by_y,
+            ..terms
+        }
+    }
+
+    /// The reflectance as a perfect mirror towards `wo`, with its derivative by `rho_s`; zero if it is none.
+    #[inline]
+    pub fn mirror_terms(&self, cos: f32) -> Terms {
+        if self.specular != Specular::Mirror {
+            return Terms::default();
+        }
+        Terms {
+            value: self.coat.mirror(self.rho_s, cos),
+            by_rho_s: Rgb::splat(self.coat.mirror_by_rho_s(cos)),
+            ..Terms::default()
         }
     }
 
@@ -193,7 +233,8 @@ impl<'a> Bsdf<'a> {
         let take_specular = u[0] < self.specular_share;
         let wi = match self.specular {
             Specular::Mirror if take_specular => {
-                let (wi, weight) = (mirror::reflect(wo), self.rho_s / self.specular_share);
+                let reflectance = self.coat.mirror(self.rho_s, wo.z);
+                let (wi, weight) = (mirror::reflect(wo), reflectance / self.specular_share);
                 return Some(BsdfSample { wi, weight, unguided: weight, pdf: f32::INFINITY });
             }
             Specular::Glossy(lobe) if take_specular => lobe.sample(wo, [u[1], u[2]]),
@@ -216,5 +257,15 @@ impl<'a> Bsdf<'a> {
             return self.guide.sample(pick / share, [u[1], u[2]]);
         }
         lambert::sample([u[1], u[2]])
+    }
+}
+
+/// The probability with which sampling chooses the specular term.
+fn specular_share(rho_d: Rgb, rho_s: Rgb, specular: Specular) -> f32 {
+    let (diffuse_power, specular_power) = (luminance(rho_d), luminance(rho_s));
+    match specular {
+        Specular::None => 0.0,
+        _ if diffuse_power <= 0.0 => 1.0,
+        _ => (specular_power / (diffuse_power + specular_power)).clamp(0.1, 0.9),
     }
 }

@@ -67,6 +67,12 @@ impl WardLobe {
         }
     }
 
+    /// The two roughnesses.
+    #[inline]
+    pub(super) fn alphas(&self) -> [f32; 2] {
+        [1.0 / self.inv_alpha_x, 1.0 / self.inv_alpha_y]
+    }
+
     /// `w`, sr^-1, for two directions above the surface.
     #[inline]
     pub fn value(&self, wo: Vec3, wi: Vec3) -> f32 {

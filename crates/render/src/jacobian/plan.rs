@@ -3,8 +3,9 @@
 
 use super::Parameter;
 use crate::appearance::{Appearance, LightSource, SourceLayout};
-use crate::bsdf::{Bsdf, Specular};
+use crate::bsdf::{Bsdf, Terms};
 use crate::tracer::Tracer;
+use crate::virtual_lamps::Passed;
 use glam::Vec3;
 use unrender_scene::{BrdfModel, Material, Rgb};
 
@@ -34,8 +35,8 @@ pub(super) struct Plan<'a> {
 /// One group, prepared for evaluation.
 pub(super) struct GroupPlan<'a> {
     pub(super) material: &'a Material,
-    /// Its specular term, also where `rho_s` is zero but among the parameters.
-    pub(super) specular: Specular,
+    /// Its BRDF, with a specular term also where `rho_s` is zero but among the parameters.
+    pub(super) bsdf: Bsdf<'static>,
     /// Sine and cosine of the angle from the anisotropy direction that paths are drawn with to its
     /// own.
     rotation: Option<(f32, f32)>,
@@ -114,6 +115,12 @@ impl<'a> Plan<'a> {
         }
     }
 
+    /// The reflectance of a mirror that light passes, with its derivative.
+    #[inline]
+    pub(super) fn mirror(&self, passed: &Passed) -> Terms {
+        self.groups[passed.group as usize].bsdf.mirror_terms(passed.cos)
+    }
+
     /// The factor of the appearance on a light source's emission.
     #[inline]
     pub(super) fn brightness(&self, source: LightSource) -> Rgb {
@@ -125,19 +132,15 @@ impl<'a> GroupPlan<'a> {
     fn new(model: BrdfModel, material: &'a Material, specular_asked: bool, angle: f32) -> Self {
         let rho_s = if specular_asked { Rgb::ONE } else { material.rho_s };
         let shape = Material { rho_s, texture: None, ..material.clone() };
+        let mut bsdf = Bsdf::new(&shape, Rgb::ZERO, model);
+        bsdf.rho_s = material.rho_s;
         Self {
             material,
-            specular: Bsdf::new(&shape, Rgb::ZERO, model).specular,
+            bsdf,
             rotation: (angle != 0.0).then(|| angle.sin_cos()),
             slots: [None; 5],
             asked: false,
         }
-    }
-
-    /// The reflectance as a perfect mirror; zero if it is none.
-    #[inline]
-    pub(super) fn mirror(&self) -> Rgb {
-        if self.specular == Specular::Mirror { self.material.rho_s } else { Rgb::ZERO }
     }
 
     /// A direction of the anisotropy frame that paths are drawn in, in the group's own frame.

@@ -24,7 +24,7 @@ use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
 use crate::radiance_cache::{CacheLookup, Cached, RadianceCache};
 use crate::settings::Settings;
 use crate::tracer::Tracer;
-use crate::virtual_lamps::MirrorsPassed;
+use crate::virtual_lamps::{MirrorsPassed, Passed};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use unrender_scene::{Camera, Material, Rgb};
@@ -59,7 +59,7 @@ enum Event {
     TexturedVertex,
     /// A light sample of a source contributes: where it comes from, and what arrives.
     Light,
-    /// It comes by way of mirrors, of the given groups.
+    /// It comes by way of a mirror of a group: the cosine there.
     Mirrors,
     /// The path goes on: `wi`, and the factor on the BRDF.
     Bounce,
@@ -274,8 +274,9 @@ impl PathObserver for Recorder {
 
     #[inline]
     fn record_direct(&mut self, _: Rgb, _: &Vertex<'_>, light: &DirectLight<'_>) {
-        for group in light.passed.groups() {
-            self.event(Event::Mirrors, *group);
+        for mirror in light.passed.all() {
+            self.event(Event::Mirrors, mirror.group);
+            self.number(mirror.cos);
         }
         self.source(Event::Light, light.sample.source);
         self.direction(light.wi);
@@ -369,7 +370,7 @@ impl Reader<'_> {
                     let uv = Vec2::new(self.number(), self.number());
                     tape.vertex(index, uv, wo);
                 }
-                Event::Mirrors => passed.push(index),
+                Event::Mirrors => passed.push(Passed { group: index, cos: self.number() }),
                 Event::Light => {
                     let (source, wi) = (self.source(index), self.direction());
                     tape.light(wi, &Arriving { source, weight: self.numbers(), passed });

@@ -2,11 +2,10 @@
 
 use super::plan::{Plan, Slot};
 use crate::appearance::LightSource;
-use crate::bsdf::ward::LobeDerivatives;
-use crate::bsdf::{BsdfSample, Specular, Terms};
+use crate::bsdf::{BsdfSample, Terms};
 use crate::path::{DirectLight, Emission, PathObserver, Vertex};
 use crate::radiance_cache::Cached;
-use crate::virtual_lamps::MirrorsPassed;
+use crate::virtual_lamps::{MirrorsPassed, Passed};
 use glam::{DVec3, Vec2, Vec3};
 use unrender_scene::Rgb;
 
@@ -98,11 +97,11 @@ impl<'a> Tape<'a> {
     pub(super) fn light(&mut self, wi: Vec3, light: &Arriving) {
         let Some(entry) = self.entries.last_mut() else { return };
         let group = &self.plan.groups[entry.group as usize];
-        let terms = group.specular.terms(entry.wo, group.rotated(wi));
-        let f_cos = terms.value(entry.rho_d, group.material.rho_s) * wi.z;
+        let terms = group.bsdf.terms(entry.rho_d, entry.wo, group.rotated(wi));
+        let f_cos = terms.value * wi.z;
         let factor = self.plan.brightness(light.source);
-        let passed = light.passed.groups();
-        let mirrors = passed.iter().map(|group| self.plan.groups[*group as usize].mirror());
+        let passed = light.passed.all();
+        let mirrors = passed.iter().map(|mirror| self.plan.mirror(mirror).value);
         let arriving = light.weight * mirrors.product::<Rgb>();
         let direct = f_cos * arriving * factor;
         entry.direct += direct;
@@ -123,7 +122,7 @@ impl<'a> Tape<'a> {
     pub(super) fn bounce(&mut self, wi: Vec3, scale: f32) {
         let Some(entry) = self.entries.last_mut() else { return };
         let group = &self.plan.groups[entry.group as usize];
-        entry.terms = group.specular.terms(entry.wo, group.rotated(wi));
+        entry.terms = group.bsdf.terms(entry.rho_d, entry.wo, group.rotated(wi));
         self.go_on(scale);
     }
 
@@ -131,19 +130,17 @@ impl<'a> Tape<'a> {
     #[inline]
     pub(super) fn reflection(&mut self, scale: f32) {
         let Some(entry) = self.entries.last_mut() else { return };
-        // f cos of a perfect mirror is rho_s times the delta distribution that the density is the specular
-        // share of.
-        let is_mirror = self.plan.groups[entry.group as usize].specular == Specular::Mirror;
-        entry.terms.specular.value = f32::from(is_mirror);
+        // f cos of a perfect mirror is its reflectance times the delta distribution that the density is the
+        // specular share of.
+        entry.terms = self.plan.groups[entry.group as usize].bsdf.mirror_terms(entry.wo.z);
         self.go_on(scale);
     }
 
     #[inline]
     fn go_on(&mut self, scale: f32) {
         let Some(entry) = self.entries.last_mut() else { return };
-        let rho_s = self.plan.groups[entry.group as usize].material.rho_s;
         entry.scale = scale;
-        entry.weight = entry.terms.value(entry.rho_d, rho_s) * scale;
+        entry.weight = entry.terms.value * scale;
         self.throughput *= entry.weight;
     }
 
@@ -202,15 +199,8 @@ impl<'a> Tape<'a> {
         }
         let material = group.material;
         let base = if material.texture.is_some() { rho_d } else { Rgb::ONE };
-        let LobeDerivatives { value, by_alpha_x, by_alpha_y, by_theta } = terms.specular;
-        let rho_s = material.rho_s;
-        let factors = [
-            base * terms.diffuse,
-            Rgb::splat(value),
-            rho_s * by_alpha_x,
-            rho_s * by_alpha_y,
-            rho_s * by_theta,
-        ];
+        let Terms { by_rho_d, by_rho_s, by_alpha_x, by_alpha_y, by_theta, .. } = *terms;
+        let factors = [base * by_rho_d, by_rho_s, by_alpha_x, by_alpha_y, by_theta];
         for (slot, factor) in group.slots.into_iter().zip(factors) {
             add(&mut self.sums, slot, light * factor);
         }
@@ -219,14 +209,13 @@ impl<'a> Tape<'a> {
     /// Adds the derivatives by the specular reflectance of the groups of mirrors on the way of a light
     /// sample, which would contribute `light` if all of them reflected everything.
     #[inline]
-    fn add_mirror_derivatives(&mut self, groups: &[u32], light: Rgb) {
-        for (index, group) in groups.iter().enumerate() {
-            let others = groups.iter().enumerate().filter(|(other, _)| *other != index);
-            let others = others.map(|(_, other)| self.plan.groups[*other as usize].mirror());
-            let light = light * others.product::<Rgb>();
-            let group = &self.plan.groups[*group as usize];
-            let is_mirror = group.specular == Specular::Mirror;
-            add(&mut self.sums, group.slots[1].filter(|_| is_mirror), light);
+    fn add_mirror_derivatives(&mut self, mirrors: &[Passed], light: Rgb) {
+        for (index, mirror) in mirrors.iter().enumerate() {
+            let others = mirrors.iter().enumerate().filter(|(other, _)| *other != index);
+            let others = others.map(|(_, other)| self.plan.mirror(other).value);
+            let light = light * others.product::<Rgb>() * self.plan.mirror(mirror).by_rho_s;
+            let slot = self.plan.groups[mirror.group as usize].slots[1];
+            add(&mut self.sums, slot, light);
         }
     }
 }

@@ -5,7 +5,7 @@ use super::{PathObserver, RayHit, Transport, Vertex};
 use crate::accel::{self, Bundle, Occluders, Ray};
 use crate::emitters::LightSample;
 use crate::surface::Surface;
-use crate::virtual_lamps::{MirrorTrail, MirrorsPassed, VirtualSample};
+use crate::virtual_lamps::{MirrorTrail, MirrorsPassed, Passed, VirtualSample};
 use glam::Vec3;
 use unrender_scene::Rgb;
 
@@ -197,8 +197,9 @@ impl Transport<'_> {
             }
             let surface = self.tracer.surface_at(&ray, hit);
             let bsdf = self.bsdf(&surface).bsdf;
-            way.passed.push(surface.group);
-            way.transmittance *= bsdf.rho_s;
+            let cos = -ray.direction.dot(surface.frame.normal);
+            way.passed.push(Passed { group: surface.group, cos });
+            way.transmittance *= bsdf.coat.mirror(bsdf.rho_s, cos);
             way.probability *= bsdf.specular_share();
             let next = sample.crossings.get(index + 1).filter(|_| index + 1 < sample.count);
             let wi = next.map_or(sample.light.wi, |next| (next - surface.point).normalize());

@@ -87,21 +87,30 @@ pub(crate) struct VirtualSample {
 /// Mirrors that light passes on its way from a lamp to a vertex.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct MirrorsPassed {
-    groups: [u32; MIRRORS_MAX],
+    mirrors: [Passed; MIRRORS_MAX],
     count: usize,
 }
 
+/// A mirror that light passes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Passed {
+    /// The mirror's group.
+    pub(crate) group: u32,
+    /// The cosine of the angle to its normal.
+    pub(crate) cos: f32,
+}
+
 impl MirrorsPassed {
-    /// Adds a mirror of the group.
-    pub(crate) fn push(&mut self, group: u32) {
-        self.groups[self.count] = group;
+    /// Adds a mirror.
+    pub(crate) fn push(&mut self, mirror: Passed) {
+        self.mirrors[self.count] = mirror;
         self.count += 1;
     }
 
-    /// Their groups.
+    /// The mirrors.
     #[inline]
-    pub(crate) fn groups(&self) -> &[u32] {
-        &self.groups[..self.count]
+    pub(crate) fn all(&self) -> &[Passed] {
+        &self.mirrors[..self.count]
     }
 }
 

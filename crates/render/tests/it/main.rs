@@ -7,6 +7,7 @@ mod adaptive;
 mod anisotropy;
 mod bsdf_laws;
 mod closed_form;
+mod coats;
 mod denoise;
 mod determinism;
 mod environment;

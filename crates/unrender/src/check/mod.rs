@@ -22,6 +22,7 @@ pub use picture::edge_picture;
 pub use table::{json, table};
 
 use crate::Job;
+use crate::clear_shapes;
 use crate::problem;
 use crate::registered::RegisteredModel;
 use crate::registration::{self, Alignment};
@@ -82,6 +83,7 @@ pub fn check(job: &Job) -> Checkup {
         camera::warnings(&subject),
         edges::warnings(&subject, &edges),
         coplanar::warnings(job, &tracer, (&registered.camera, geometry)),
+        clear(job, &registered.camera, geometry),
         sides::warnings(&subject),
         lights::warnings(&subject),
         light_units::warnings(&subject),
@@ -90,6 +92,11 @@ pub fn check(job: &Job) -> Checkup {
         warnings.extend(noted);
     }
     Checkup { groups: groups::all(&subject), edges, warnings, side: job.side }
+}
+
+/// What is seen of shapes that let light through.
+fn clear(job: &Job, camera: &Camera, geometry: &GeometryBuffers) -> Warnings {
+    Warnings(clear_shapes::told(job, camera, geometry).into_iter().collect())
 }
 
 /// The data that all parts of the check use.

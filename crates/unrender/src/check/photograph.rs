@@ -145,7 +145,8 @@ fn clipped(subject: &Subject<'_>) -> Option<String> {
     let observation = subject.observation;
     let reflecting = (0..subject.specs.len()).filter(|&g| subject.specs[g].role != Role::Emitter);
     let (mut all, mut off) = (0usize, 0usize);
-    let counts = subject.job.counts(0, subject.geometry);
+    let seen = (&subject.registered.camera, subject.geometry);
+    let counts = subject.job.counts(0, seen);
     let measured =
         squares(&subject.job.picture.measured(), subject.job.side, |of| !of.contains(&false));
     let pixels = reflecting.flat_map(|g| &observation.all_pixels_of_group[g]);

@@ -63,14 +63,14 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let (scene, camera, size, warnings) = input(args, global)?;
     let light_units = light_units(args, global.limits())?;
     global.console.warn(&warnings);
-    let conversions = converted(&scene, &camera, size, args.to.lobe(scene.brdf));
+    let (expressed, mut doubts) = expressed(&scene, args.to);
+    let conversions = converted(&expressed, &camera, size, args.to.lobe(scene.brdf));
     if !global.quiet {
-        tell(&scene, &conversions, global);
+        tell(&expressed, &conversions, global);
     }
-    let mut doubts = Warnings::default();
     let is_bent = |(group, c): (&Group, &Conversion)| c.material != group.material;
     if scene.brdf == WardModel::Ward1992.into()
-        && scene.groups.iter().zip(&conversions).any(is_bent)
+        && expressed.groups.iter().zip(&conversions).any(is_bent)
     {
         doubts.push(
             "the lobe of ward-1992 reflects less at grazing angles, as in no other program; to \
@@ -90,6 +90,26 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         global.console.print(&(args.to.next_step(&args.out) + "\n"));
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The scene with those reflectances that an export for `target` has words for.
+fn expressed(scene: &Scene, target: Target) -> (Scene, Warnings) {
+    let mut expressed = scene.clone();
+    let mut freed = Vec::new();
+    for group in &mut expressed.groups {
+        if !target.keeps(group.material.reflectance) {
+            group.material = group.material.clone().freed();
+            freed.push(group.name.as_str());
+        }
+    }
+    let mut doubts = Warnings::default();
+    if !freed.is_empty() {
+        doubts.push(format!(
+            "{target} gets the reflectance at normal incidence for all angles, without Fresnel's rise at grazing ones, of: {}",
+            freed.join(", ")
+        ));
+    }
+    (expressed, doubts)
 }
 
 /// Checks before the work that no input is replaced.

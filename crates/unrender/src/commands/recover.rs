@@ -143,6 +143,12 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     settle(args, &mut project, global);
     let folder = ResultFolder::open(&args.out, "recover", &results::writes, &project.inputs())?;
     let mut job = Job::load(project, warnings)?;
+    if !global.quiet && job.project.brdf.is_none() {
+        global.console.tell(&format!(
+            "brdf \"{}\", as in the scene; [recover] brdf in the project chooses another",
+            job.scene.brdf
+        ));
+    }
     let head = Head::of(&job, args.choices(global.limits()));
     let journal = RecoveryJournal::open(&args.out, head, args.resume)?;
     let progress = Progress::new("recover", global);
@@ -202,6 +208,7 @@ impl Args {
             ("no-filter", *no_filter),
             ("force", *force),
             ("allow-outside", limits.outside),
+            ("allow-missing", limits.missing),
         ];
         let flags =
             flags.map(|(name, is_given)| (name, if is_given { "yes" } else { "no" }.to_owned()));

@@ -17,6 +17,9 @@ use unrender_scene::{Camera, Rgb, RgbImage, Scene, Warnings};
 
 const DEFAULT_HEIGHT: usize = 512;
 const MAX_SIDE: usize = 65_536;
+/// The most pixels of a picture whose size only the scene file states: it takes 3 GiB. Half of it are still eight times
+/// what films of published scenes have; twice as much is more than most machines have.
+const STATED_PIXELS: usize = 1 << 26;
 
 /// Renders a scene.
 #[derive(Debug, clap::Args)]
@@ -65,10 +68,10 @@ pub struct Args {
     /// The camera's name [default: the project's, else the scene's first].
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
-    /// Pixels in a row [default: by the height and the camera's aspect].
+    /// Pixels in a row [default: by the height and the camera's aspect, else as the scene file says].
     #[arg(long, value_name = "N")]
     pub width: Option<usize>,
-    /// Rows [default: by the width and the camera's aspect, else 512].
+    /// Rows [default: by the width and the camera's aspect, else as the scene file says, else 512].
     #[arg(long, value_name = "N")]
     pub height: Option<usize>,
     /// Remove noise from the picture, for a small bias: it is rendered as two independent halves, and
@@ -376,12 +379,24 @@ fn angle(text: &str) -> Result<f32, String> {
     if angle.is_finite() { Ok(angle) } else { Err("must be a finite number".into()) }
 }
 
-/// The picture's width and height; a side that is not given follows from the camera's aspect.
+/// The picture's width and height; a side that is not given follows from the camera's aspect, both from the size that
+/// the scene file states.
 pub(crate) fn size(
     width: Option<usize>,
     height: Option<usize>,
     camera: &Camera,
 ) -> Result<(usize, usize), Error> {
+    if let (None, None, Some(stated)) = (width, height, camera.size) {
+        let [width, height] = stated.map(|side| side as usize);
+        if width == 0 || height == 0 || width.saturating_mul(height) > STATED_PIXELS {
+            return Err(Error::Request(format!(
+                "camera \"{}\" has a picture of {width} x {height} pixels in the scene file, which is not rendered \
+                 unasked; give --width or --height",
+                camera.name
+            )));
+        }
+        return Ok((width, height));
+    }
     let aspect = camera.aspect.filter(|a| a.is_finite() && *a > 0.0).unwrap_or(1.0);
     let by = |side: usize, factor: f32| ((side as f32 * factor).round() as usize).max(1);
     let (width, height) = match (width, height) {
@@ -414,6 +429,11 @@ mod tests {
         assert_eq!(size(None, None, &camera).unwrap(), (768, 512));
         assert_eq!(size(Some(300), None, &camera).unwrap(), (300, 200));
         assert_eq!(size(Some(10), Some(20), &camera).unwrap(), (10, 20));
+        camera.size = Some([640, 480]);
+        assert_eq!(size(None, None, &camera).unwrap(), (640, 480));
+        assert_eq!(size(Some(300), None, &camera).unwrap(), (300, 200));
+        camera.size = Some([u32::MAX; 2]);
+        assert!(size(None, None, &camera).is_err());
         assert!(size(Some(0), None, &camera).is_err());
         assert!(size(Some(1 << 40), None, &camera).is_err());
     }

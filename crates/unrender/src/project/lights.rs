@@ -219,7 +219,8 @@ fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String
         // Ignored groups fix nothing.
         let known = project.known.iter().filter(|(name, _)| !project.ignored.contains(*name));
         let known = known.filter(|(name, _)| reflects(scene, name));
-        let reflecting = channels(known.map(|(_, known)| known.rho_d + known.rho_s));
+        let reflecting =
+            channels(known.map(|(_, known)| known.rho_d + known.rho_s.unwrap_or(Rgb::ZERO)));
         let loose: [bool; 3] = std::array::from_fn(|c| open[c] && !reflecting[c]);
         // If all colours are known, a known channel fixes all.
         let mut unknown = project.unknown_lights.iter();

@@ -30,11 +30,12 @@ use crate::lighting::EnvironmentChoice;
 use crate::text_file;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use unrender_formats::materials::ReflectanceEntry;
 use unrender_formats::{FileError, Input, LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::{Expected, Thresholds};
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Hypothesis, Material, Rgb, Scene, Warnings};
+use unrender_scene::{BrdfModel, Hypothesis, Layering, Material, Rgb, Scene, Warnings};
 
 /// A project file with absolute paths and checked numbers.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,8 +78,10 @@ pub struct Project {
     pub light_edits: Vec<LightEdit>,
     /// The environment, if the project states it.
     pub environment: Option<EnvironmentChoice>,
-    /// The lobe to recover.
-    pub brdf: BrdfModel,
+    /// The BRDF model to recover, if the project states it; else it is the scene's.
+    pub brdf: Option<BrdfModel>,
+    /// How bases lie under dielectrics, if the project states it; else as the scene's format has it.
+    pub layering: Option<Layering>,
     /// The thresholds of model selection.
     pub thresholds: Thresholds,
     /// The hypotheses that groups may have, if the project states them.
@@ -113,12 +116,14 @@ pub struct Anchor {
 }
 
 /// A known material in the project; parts that are left out do not exist: no texture, no lobe.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Known {
     /// Diffuse reflectance.
     pub rho_d: Rgb,
-    /// Specular reflectance.
-    pub rho_s: Rgb,
+    /// Specular reflectance; none if it is not stated.
+    pub rho_s: Option<Rgb>,
+    /// What `rho_s` means.
+    pub reflectance: ReflectanceEntry,
     /// Roughness along the anisotropy direction.
     pub alpha_x: f32,
     /// Roughness across it.
@@ -128,10 +133,16 @@ pub struct Known {
 }
 
 impl Known {
-    /// The material.
-    pub fn material(&self) -> Material {
-        let Self { rho_d, rho_s, alpha_x, alpha_y, theta_rad } = *self;
-        Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, texture: None }
+    /// The material in a scene of the BRDF `model`.
+    ///
+    /// # Errors
+    /// If the model knows no such reflectance.
+    pub fn material(&self, model: BrdfModel) -> Result<Material, String> {
+        let Self { rho_d, rho_s, alpha_x, alpha_y, theta_rad, .. } = *self;
+        let shape = Material { alpha_x, alpha_y, theta_rad, ..Material::diffuse(rho_d) };
+        let mut material = Material { rho_s: rho_s.unwrap_or(Rgb::ZERO), ..shape };
+        self.reflectance.apply(rho_s.is_some(), model, &mut material)?;
+        Ok(material)
     }
 }
 
@@ -181,7 +192,8 @@ impl Project {
 
     /// The scene file with its limits and units.
     pub(crate) fn scene_input(&self) -> Input<'_> {
-        Input::new(&self.scene, self.limits).in_light_units(self.light_units)
+        let input = Input::new(&self.scene, self.limits).in_light_units(self.light_units);
+        self.brdf.map_or(input, |brdf| input.with_brdf(brdf))
     }
 
     /// The files that a recovery of it reads, as far as the project names them.
@@ -230,6 +242,14 @@ impl Project {
         });
         let named = known.chain(anchor).chain(rungs).chain(ignored).chain(same);
         for (key, name) in named.chain(expected).chain(like) {
+            if scene.left_out.iter().any(|shape| shape.material == *name)
+                && scene.group_index(name).is_none()
+            {
+                return fault(format!(
+                    "{key}: \"{name}\" lets light through and is left out of the scene, so it has no reflectance to \
+                     state or to recover; leave it out here, too"
+                ));
+            }
             if scene.group_index(name).is_none() {
                 let names = scene.groups.iter().map(|g| g.name.as_str());
                 let there = some_names(names);

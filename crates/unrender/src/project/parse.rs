@@ -7,11 +7,12 @@ use crate::lighting::RawLight;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use toml::Value;
+use unrender_formats::materials::ReflectanceEntry;
 use unrender_formats::{LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, ENVIRONMENT, Hypothesis, Rgb, Warnings};
+use unrender_scene::{BrdfModel, ENVIRONMENT, Hypothesis, Layering, Rgb, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -40,13 +41,19 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let environment = raw.environment.as_ref();
     let environment = environment.map(|table| table.choice(&|file| folder.join(file)));
     let brdf = raw.recover.brdf.as_deref().map(str::parse::<BrdfModel>).transpose();
-    let brdf = brdf.map_err(|problem| format!("recover.brdf: {problem}"))?.unwrap_or_default();
+    let brdf = brdf.map_err(|problem| format!("recover.brdf: {problem}"))?;
+    let layering = raw.recover.layering.as_deref().map(str::parse::<Layering>).transpose();
+    let layering = layering.map_err(|problem| format!("recover.layering: {problem}"))?;
+    if layering.is_some() && brdf.is_some_and(|brdf| !brdf.is_principled()) {
+        return Err("recover.layering: it is for brdf = \"principled\"; leave it out".into());
+    }
+    let brdf = brdf.map(|brdf| brdf.with_layering(layering));
     let rungs_of = |name: &String| {
         let stated = group_rungs.get(name).or(rungs.as_ref());
         stated.map_or(&Hypothesis::ALL[..], Vec::as_slice)
     };
     let anchored = anchor.as_ref().map(|anchor| anchor.group.as_str());
-    let expected = expected::all(&raw.groups, &rungs_of, anchored, brdf)?;
+    let expected = expected::all(&raw.groups, &rungs_of, anchored, brdf.unwrap_or_default())?;
     let like = like::all(&raw.groups, anchored)?;
     let light_units = raw.light_units.as_deref().map(str::parse::<LightUnits>).transpose();
     let project = Project {
@@ -72,6 +79,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         light_edits: light_edits(&raw.lights.list)?,
         environment: environment.transpose()?,
         brdf,
+        layering,
         thresholds: thresholds(&raw.recover.thresholds)?,
         rungs,
         group_rungs,
@@ -231,9 +239,8 @@ fn known(key: &str, raw: &RawKnown) -> Result<Known, String> {
     if raw.rho_d.is_none() && raw.rho_s.is_none() {
         return Err(format!("{key}: give rho_d or rho_s or both"));
     }
-    let rho = |name: &str, value: &Option<Value>| match value {
-        Some(value) => reflectance(&format!("{key}.{name}"), value),
-        None => Ok(Rgb::ZERO),
+    let rho = |name: &str, value: &Option<Value>| {
+        value.as_ref().map(|value| reflectance(&format!("{key}.{name}"), value)).transpose()
     };
     let alpha_x = raw.alpha_x.or(raw.alpha_y).unwrap_or(0.0);
     let alpha_y = raw.alpha_y.unwrap_or(alpha_x);
@@ -249,13 +256,23 @@ fn known(key: &str, raw: &RawKnown) -> Result<Known, String> {
     if !theta_deg.is_finite() {
         return Err(format!("{key}.theta_deg is {theta_deg}; give an angle in degrees"));
     }
-    Ok(Known {
-        rho_d: rho("rho_d", &raw.rho_d)?,
+    let known = Known {
+        rho_d: rho("rho_d", &raw.rho_d)?.unwrap_or(Rgb::ZERO),
         rho_s: rho("rho_s", &raw.rho_s)?,
+        reflectance: ReflectanceEntry {
+            reflectance: raw.reflectance.clone(),
+            ior: raw.ior,
+            layering: raw.layering.clone(),
+            multiscatter: raw.multiscatter,
+        },
         alpha_x,
         alpha_y,
         theta_rad: theta_deg.to_radians(),
-    })
+    };
+    // Whatever the scene's model is, some model has to know it.
+    let any = BrdfModel::Principled(Layering::default());
+    known.material(any).map_err(|problem| format!("{key}: {problem}"))?;
+    Ok(known)
 }
 
 /// The table `[recover] thresholds`: those of the default ladder by their names, those of the

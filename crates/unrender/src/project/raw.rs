@@ -274,6 +274,10 @@ impl<'de> Visitor<'de> for LightsVisitor {
 pub(super) struct RawKnown {
     pub(super) rho_d: Option<Value>,
     pub(super) rho_s: Option<Value>,
+    pub(super) reflectance: Option<String>,
+    pub(super) ior: Option<f32>,
+    pub(super) layering: Option<String>,
+    pub(super) multiscatter: Option<bool>,
     pub(super) alpha_x: Option<f32>,
     pub(super) alpha_y: Option<f32>,
     pub(super) theta_deg: Option<f32>,
@@ -283,6 +287,7 @@ pub(super) struct RawKnown {
 #[serde(deny_unknown_fields)]
 pub(super) struct RawRecover {
     pub(super) brdf: Option<String>,
+    pub(super) layering: Option<String>,
     pub(super) max_rung: Option<String>,
     pub(super) rungs: Option<Vec<String>>,
     #[serde(default)]

@@ -5,8 +5,8 @@ use crate::Job;
 use glam::Vec3;
 use indexmap::IndexMap;
 use unrender_formats::materials::{
-    AlternativeEntry, GroupEntry, LightEntry, MaterialsFile, PhotographEntry, StatusEntry,
-    StdEntry, VERSION,
+    AlternativeEntry, GroupEntry, LightEntry, MaterialsFile, PhotographEntry, ReflectanceEntry,
+    StatusEntry, StdEntry, VERSION,
 };
 use unrender_recover::{Alternative, Deviations, GroupResult};
 use unrender_scene::{Hypothesis, Material, Source};
@@ -77,10 +77,16 @@ fn entry(job: &Job, group: &GroupResult) -> GroupEntry {
     let material = &group.material;
     let anisotropic = group.hypothesis == Hypothesis::Anisotropic;
     GroupEntry {
-        hypothesis: Some(group.hypothesis),
+        hypothesis: Some(group.hypothesis.named(material)),
         status: Some(status(job, group)),
         rho_d: Some(material.rho_d.to_array()),
+        albedo_d: job
+            .scene
+            .brdf
+            .is_principled()
+            .then(|| (material.rho_d * material.base_seen()).to_array()),
         rho_s: Some(material.rho_s.to_array()),
+        reflectance: ReflectanceEntry::of(material),
         alpha_x: Some(material.alpha_x),
         alpha_y: Some(material.alpha_y),
         theta_deg: Some(material.theta_rad.to_degrees()),
@@ -97,7 +103,7 @@ fn entry(job: &Job, group: &GroupResult) -> GroupEntry {
 fn alternative(alternative: &Alternative) -> AlternativeEntry {
     let material = &alternative.material;
     AlternativeEntry {
-        hypothesis: Some(alternative.hypothesis),
+        hypothesis: Some(alternative.hypothesis.named(material)),
         rho_d: Some(material.rho_d.to_array()),
         rho_s: Some(material.rho_s.to_array()),
         alpha_x: Some(material.alpha_x),

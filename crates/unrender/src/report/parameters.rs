@@ -16,7 +16,7 @@ const DEGREES: Shown = Shown::Fixed(2);
 pub(super) fn list(key: &Key, entry: &GroupEntry) -> Markup {
     let hypothesis = entry.hypothesis.unwrap_or(Hypothesis::Diffuse);
     let std = entry.std.unwrap_or_default();
-    let lobe = matches!(hypothesis, Hypothesis::Isotropic | Hypothesis::Anisotropic);
+    let lobe = entry.alpha_x.is_some_and(|alpha| alpha > 0.0);
     let brushed = hypothesis == Hypothesis::Anisotropic;
     let specular = entry.rho_s.filter(|rho| rho.iter().any(|v| *v > 0.0));
     html! {

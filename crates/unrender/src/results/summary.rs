@@ -123,8 +123,8 @@ fn row(job: &Job, group: &GroupResult) -> [String; 8] {
     let dash = || "-".to_owned();
     let specular = material.rho_s.max_element() > 0.0;
     let hypothesis = match entries::status(job, group) {
-        StatusEntry::Of(Status::Recovered) => group.hypothesis.to_string(),
-        other => format!("{} ({other})", group.hypothesis),
+        StatusEntry::Of(Status::Recovered) => group.hypothesis.named(material).to_string(),
+        other => format!("{} ({other})", group.hypothesis.named(material)),
     };
     let alpha = match group.hypothesis {
         Hypothesis::Isotropic => format!("{:.4}", material.alpha_x),

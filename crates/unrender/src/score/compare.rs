@@ -1,4 +1,7 @@
 //! The errors of one group.
+//!
+//! Diffuse reflectances are compared as they are seen at normal incidence (`albedo_d`): under a dielectric `rho_d` is that of
+//! the base, and what is a plastic on one side may be a matt group on the other.
 
 use super::GroupScore;
 use super::certainty::{ParameterScore, largest};
@@ -37,10 +40,12 @@ pub(super) fn group(
     match &wanted.texture {
         Some(texture) => {
             let (truth, _) = read_texture_beside(wanted_folder, texture, Limits::default())?;
+            let share = wanted.base_seen();
+            let truth = truth.map(|texel| *texel * share);
             match found_texture(found, found_folder)? {
                 Some(texture) => {
                     let error = texture_error(&texture, &truth);
-                    note("rho_d", &error, std_of(found, |s| s.rho_d), &mut score);
+                    note("rho_d", &error, std_of_albedo(found), &mut score);
                     score.rho_d = Some(largest_of(&error));
                 }
                 None => score.missing.push("texture"),
@@ -69,12 +74,19 @@ fn compare_rho_d(
     wanted: &GroupEntry,
     score: &mut GroupScore,
 ) -> Result<(), FileError> {
-    let mut rho_d = found.rho_d;
-    if rho_d.is_none() && wanted.rho_d.is_some() {
-        rho_d = found_texture(found, folder)?.map(|t| mean_of(&t.image).to_array());
+    let wanted = wanted.seen_albedo();
+    let mut albedo = found.seen_albedo();
+    if albedo.is_none() && wanted.is_some() {
+        albedo = found_texture(found, folder)?.map(|t| mean_of(&t.image).to_array());
     }
-    compare_triple("rho_d", rho_d, wanted.rho_d, std_of(found, |s| s.rho_d), score);
+    compare_triple("rho_d", albedo, wanted, std_of_albedo(found), score);
     Ok(())
+}
+
+/// The standard deviation of the diffuse reflectance as it is seen.
+fn std_of_albedo(found: &GroupEntry) -> Option<[f32; 3]> {
+    let share = found.base_seen();
+    std_of(found, |s| s.rho_d).map(|std| std.map(|std| std * share))
 }
 
 fn compare_triple(
@@ -139,14 +151,15 @@ fn largest_of(errors: &[f64; 3]) -> f64 {
     errors.iter().copied().fold(0.0, f64::max)
 }
 
-/// The group's texture; without one, its mean rho_d; none if that is missing too.
+/// The group's texture as it is seen; without one, its mean rho_d; none if that is missing too.
 fn found_texture(found: &GroupEntry, folder: &Path) -> Result<Option<Texture>, FileError> {
     let image = match (&found.texture, found.rho_d) {
         (Some(path), _) => read_texture_beside(folder, path, Limits::default())?.0,
         (None, Some(rho_d)) => Image::new(1, 1, vec![Rgb::from_array(rho_d)]),
         (None, None) => return Ok(None),
     };
-    Ok(Some(Texture { image, wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge }))
+    let texture = Texture { image, wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge };
+    Ok(Some(texture.scaled(found.base_seen())))
 }
 
 /// The mean error over the texels of `truth`, per channel.

@@ -45,9 +45,10 @@ pub struct GroupScore {
 }
 
 impl GroupScore {
-    /// True if the hypothesis is right, or the truth has none.
+    /// True if the hypothesis is of the right rung of the ladder, or the truth has none.
     pub fn is_hypothesis_right(&self) -> bool {
-        self.true_hypothesis.is_none() || self.hypothesis == self.true_hypothesis
+        let rung = |hypothesis: Option<Hypothesis>| hypothesis.map(Hypothesis::of_paper);
+        self.true_hypothesis.is_none() || rung(self.hypothesis) == rung(self.true_hypothesis)
     }
 }
 

@@ -33,6 +33,42 @@ fn missing_files_are_named() {
     fails(&unrender(&[&"score", &folder.root(), &"truth.json"]), "materials.json");
 }
 
+/// A room of Mitsuba whose second mesh is not there.
+#[test]
+fn a_scene_is_rendered_at_its_own_size_and_without_what_is_missing() {
+    let folder = Folder::new();
+    folder.write("there.obj", "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
+    let shape = |file: &str, bsdf: &str| {
+        format!(
+            "<shape type=\"obj\"><string name=\"filename\" value=\"{file}\"/><bsdf id=\"{bsdf}\" type=\"{bsdf}\"/></shape>"
+        )
+    };
+    let text = format!(
+        "<scene version=\"3.0.0\"><sensor type=\"perspective\"><film type=\"hdrfilm\">
+         <integer name=\"width\" value=\"24\"/><integer name=\"height\" value=\"16\"/></film>
+         <transform name=\"to_world\"><lookat origin=\"0 0 5\" target=\"0 0 0\" up=\"0 1 0\"/></transform></sensor>
+         <emitter type=\"constant\"/>{}{}{}</scene>",
+        shape("there.obj", "diffuse"),
+        shape("there.obj", "dielectric"),
+        shape("gone.obj", "diffuse").replace("bsdf id=\"diffuse\"", "bsdf id=\"other\""),
+    );
+    let scene = folder.write("scene.xml", &text);
+    let out = folder.path("a.exr");
+    let render = |more: &[&str]| {
+        let words: [&dyn AsRef<OsStr>; 7] =
+            [&"render", &scene, &"--out", &out, &"--spp", &"1", &"--quiet"];
+        command(&words).args(more).output().unwrap()
+    };
+    fails(&render(&[]), "gone.obj");
+    let output = render(&["--allow-missing"]);
+    succeeds(&output);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(told.contains("\"gone.obj\" is missing"), "{told}");
+    assert_eq!(told.matches("\"dielectric\" lets light through").count(), 1, "{told}");
+    let (read, _) = picture::read(&out).unwrap();
+    assert_eq!((read.values.width(), read.values.height()), (24, 16));
+}
+
 #[test]
 fn what_is_no_project_is_named_as_what_it_is() {
     let folder = Folder::new();

@@ -28,10 +28,11 @@ fn a_full_project_is_understood() {
     assert_eq!(project.response, Some(ResponseChoice::Stated(Response::Srgb)));
     assert_eq!((project.black_level, project.vignetting), (Rgb::ZERO, None));
     assert_eq!(project.exposure, Exposure::Fixed(Rgb::new(1.0, 2.0, 0.5)));
-    assert_eq!(project.brdf, WardModel::Ward1992.into());
+    assert_eq!(project.brdf, Some(WardModel::Ward1992.into()));
     assert_eq!(project.thresholds.paper[4], 0.02);
-    assert_eq!(project.known["ceil"].material(), Material::diffuse(Rgb::ONE));
-    let floor = project.known["floor"];
+    let model = WardModel::Ward1992.into();
+    assert_eq!(project.known["ceil"].material(model), Ok(Material::diffuse(Rgb::ONE)));
+    let floor = &project.known["floor"];
     assert_eq!((floor.alpha_y, floor.rho_d), (0.2, Rgb::splat(0.1)));
     assert!((floor.theta_rad - std::f32::consts::PI).abs() < 1e-6);
     let CameraChoice::Placed(camera) = project.camera else { panic!("a placed camera") };
@@ -59,7 +60,7 @@ fn rungs_are_a_list_or_all_up_to_one() {
 fn what_is_left_out_has_its_default() {
     let (project, warnings) = parse("").unwrap();
     assert_eq!(warnings.0.len(), 1, "no exposure");
-    assert_eq!((project.response, project.brdf), (None, WardModel::WardGmd.into()));
+    assert_eq!((project.response, project.brdf), (None, None));
     assert_eq!((project.camera, project.light_units), (CameraChoice::First, None));
     let gamma = ResponseChoice::Stated(Response::Gamma(2.0));
     assert_eq!(good("response = { gamma = 2 }").response, Some(gamma));

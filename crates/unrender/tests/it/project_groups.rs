@@ -3,7 +3,7 @@
 
 use crate::kit::project_text::{are_refused, good};
 use unrender::recover::Expected;
-use unrender::scene::{Group, Material, Rgb, Scene};
+use unrender::scene::{Group, LeftOut, Material, Mesh, Rgb, Scene};
 
 #[test]
 fn bounds_and_starts_are_understood() {
@@ -131,8 +131,11 @@ fn names_are_checked_against_the_scene() {
     };
     let groups = vec![group("wall", Rgb::ZERO), group("lamp", Rgb::ONE)];
     let scene = Scene { groups, ..Scene::default() };
+    let pane = LeftOut { material: "pane".into(), mesh: Mesh::default() };
+    let scene = Scene { left_out: vec![pane], ..scene };
     let error = |text: &str| good(text).check_against(&scene).unwrap_err().to_string();
     for (text, problem) in [
+        ("[groups.pane]\nrho_d = { max = 0.5 }", "groups.pane: \"pane\" lets light through"),
         ("[groups.lamp]\nrho_d = { max = 0.5 }", "groups.lamp: the group emits light"),
         (
             "[groups.floor]\nrho_d = { max = 0.5 }",

@@ -3,7 +3,7 @@
 use std::path::Path;
 use unrender::formats::materials::{
     AlternativeEntry, GroupEntry, LightEntry, PanoramaEntry, PhotographEntry, PhotographStd,
-    StdEntry,
+    ReflectanceEntry, StdEntry,
 };
 use unrender::formats::picture;
 use unrender::run::{
@@ -85,6 +85,25 @@ pub(crate) fn write(folder: &Path, names: &[String], (width, height): (usize, us
     run
 }
 
+/// Every key of a reflectance, in one group or another.
+fn reflectance(index: usize) -> ReflectanceEntry {
+    let named = |name: &str| Some(name.to_owned());
+    match index {
+        4 => ReflectanceEntry {
+            reflectance: named("dielectric"),
+            ior: Some(1.5),
+            layering: named("coupled"),
+            multiscatter: None,
+        },
+        5 => ReflectanceEntry {
+            reflectance: named("metal"),
+            multiscatter: Some(true),
+            ..ReflectanceEntry::default()
+        },
+        _ => ReflectanceEntry::default(),
+    }
+}
+
 fn group(index: usize, name: &str) -> RunGroup {
     if name == FAILED {
         let note = "no uniform reflectance explains this group, and it has too few pixels";
@@ -118,6 +137,8 @@ fn group(index: usize, name: &str) -> RunGroup {
         alpha_y: Some(noise(index + 401) as f32),
         theta_deg: Some(90.0 * noise(index + 402) as f32),
         rho_s: (!index.is_multiple_of(6)).then(|| triple(index + 500)),
+        albedo_d: (index == 4).then(|| triple(index + 550)),
+        reflectance: reflectance(index),
         std: Some(std),
         error: Some(noise(index + 600) * 0.1),
         alternatives: if index == 5 { vec![alternative] } else { Vec::new() },

@@ -105,19 +105,32 @@ def shiny(nodes, links, group):
     return node
 
 
+def principled(nodes, group):
+    """A plastic or a metal: Blender's own."""
+    node = nodes.new("ShaderNodeBsdfPrincipled")
+    is_metal = group["reflectance"] == "metal"
+    node.inputs["Base Color"].default_value = (*group["rho_s" if is_metal else "rho_d"], 1)
+    node.inputs["Metallic"].default_value = float(is_metal)
+    node.inputs["Roughness"].default_value = math.sqrt(group["alpha"])
+    if group["ior"]:
+        node.inputs["IOR"].default_value = group["ior"]
+    return node
+
+
 def add_material(group):
     material = named(bpy.data.materials.new(group["name"]), group)
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
     parts = []
-    if max(group["rho_d"]) > 0 or group["texture"]:
-        diffuse = matte(nodes, group["rho_d"])
+    is_free = group["reflectance"] == "free"
+    if not is_free or max(group["rho_d"]) > 0 or group["texture"]:
+        diffuse = matte(nodes, group["rho_d"]) if is_free else principled(nodes, group)
         if group["texture"]:
             picture = picture_node(nodes, group["texture"])
             links.new(picture.outputs["Color"], diffuse.inputs["Base Color"])
         parts.append(diffuse)
-    if max(group["rho_s"]) > 0:
+    if is_free and max(group["rho_s"]) > 0:
         parts.append(shiny(nodes, links, group))
     if max(group["emission"]) > 0:
         strength = max(group["emission"])

@@ -2,9 +2,10 @@
 
 use super::{float, reflectance, safe};
 use crate::export::{Files, SceneView, tiling};
+use crate::import::mitsuba::plastics::Surface;
 use crate::record::group_note;
 use crate::texels;
-use unrender_scene::{BrdfModel, Material, Rgb, Warnings};
+use unrender_scene::{Material, Reflectance, Rgb, Warnings};
 
 /// The reflectance of group `index` as a BSDF called `id`, and the picture that it names.
 pub(super) fn bsdf(
@@ -14,17 +15,20 @@ pub(super) fn bsdf(
     warnings: &mut Warnings,
 ) -> Result<(String, Files), String> {
     let (name, material) = (&shot.scene.groups[index].name, &shot.materials[index]);
-    let weight = tiling::specular_share(material);
-    let (mut color, mut files) =
-        (reflectance("reflectance", material.rho_d / (1.0 - weight)), Files::new());
+    let plastic = Plastic::of(material);
+    let weight = if plastic.is_some() { 0.0 } else { tiling::specular_share(material) };
+    let property = if plastic.is_some() { "diffuse_reflectance" } else { "reflectance" };
+    let base =
+        |rho: Rgb| plastic.as_ref().map_or(rho / (1.0 - weight), |p| p.surface.reflectance(rho));
+    let (mut color, mut files) = (reflectance(property, base(material.rho_d)), Files::new());
     if let Some(texture) = &material.texture {
         let tile = tiling::tile(texture);
         let path = format!("textures/{id}.exr");
-        let image = tile.image.map(|texel| *texel / (1.0 - weight));
+        let image = tile.image.map(|texel| base(*texel));
         files.push((path.clone(), texels::exr(&image)?));
         let mode = if tile.clamps { "clamp" } else { "repeat" };
         color = format!(
-            "<texture type=\"bitmap\" name=\"reflectance\">\
+            "<texture type=\"bitmap\" name=\"{property}\">\
              <string name=\"filename\" value=\"{path}\"/><boolean name=\"raw\" value=\"true\"/>\
              <string name=\"wrap_mode\" value=\"{mode}\"/></texture>"
         );
@@ -35,8 +39,11 @@ pub(super) fn bsdf(
             ));
         }
     }
-    let diffuse = format!("<bsdf type=\"diffuse\">{color}</bsdf>");
-    let microfacets = if shot.scene.brdf == BrdfModel::Ggx { "ggx" } else { "beckmann" };
+    let diffuse = match &plastic {
+        Some(plastic) => plastic.bsdf(&color),
+        None => format!("<bsdf type=\"diffuse\">{color}</bsdf>"),
+    };
+    let microfacets = if shot.scene.brdf.is_ggx() { "ggx" } else { "beckmann" };
     let inside = match weight {
         0.0 => diffuse,
         1.0 => specular(material, material.rho_s, microfacets),
@@ -51,6 +58,33 @@ pub(super) fn bsdf(
         safe(&group_note(&shot.scene.groups[index], shot.scene.brdf))
     );
     Ok((text, files))
+}
+
+/// A dielectric as one of Mitsuba's plastics, which are coupled.
+struct Plastic {
+    ior: f32,
+    alpha: f32,
+    surface: Surface,
+}
+
+impl Plastic {
+    fn of(material: &Material) -> Option<Self> {
+        let Reflectance::Dielectric { ior, .. } = material.reflectance else { return None };
+        let alpha = (material.alpha_x * material.alpha_y).sqrt();
+        Some(Self { ior, alpha, surface: Surface::new(ior, alpha) })
+    }
+
+    /// The BSDF with the diffuse reflectance `color`.
+    fn bsdf(&self, color: &str) -> String {
+        let indices = float("int_ior", self.ior) + &float("ext_ior", 1.0);
+        if self.alpha <= 0.0 {
+            return format!("<bsdf type=\"plastic\">{indices}{color}</bsdf>");
+        }
+        let alpha = float("alpha", self.alpha);
+        format!(
+            "<bsdf type=\"roughplastic\"><string name=\"distribution\" value=\"ggx\"/>{indices}{alpha}{color}</bsdf>"
+        )
+    }
 }
 
 fn specular(material: &Material, color: Rgb, microfacets: &str) -> String {

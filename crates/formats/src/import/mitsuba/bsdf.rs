@@ -1,19 +1,29 @@
 //! BSDFs as diffuse part, specular part and roughness.
 //!
 //! Exact: `diffuse`, `conductor` without a metal, `twosided` and `blendbsdf` of these, and the `ward` of Mitsuba
-//! 0.5. GGX stays GGX where all rough BSDFs have it; else the roughness of microfacets is taken as Ward's:
-//! Beckmann's has the same distribution of slopes. Conductors with a metal, `plastic`, `roughplastic`, `pplastic`
-//! and `principled` reflect as at normal incidence, with a warning. BSDFs that let light through are refused.
+//! 0.5. Conductors with a metal, `plastic`, `roughplastic` and `pplastic` are metals and dielectrics
+//! ([`plastics`](super::plastics)) of GGX microfacets; Beckmann's of the same roughness are taken as these, with a warning.
+//! `principled` is the nearest of the two. Shapes whose BSDF lets light through are left out.
+//! Models that only Mitsuba 0.5 and 0.6 have become the nearest ones of ours, with a warning: `phong`, (n + 2) / (2 pi) cos^n
+//! about the mirror direction, a lobe of alpha = 1 / sqrt(2 (n + 2)), which is as high at normal incidence as Ward's of that
+//! width; `roughdiffuse` the Lambertian reflectance of the same albedo; `coating` a darker base under the coat's lobe.
 
 use super::metals;
+use super::oren_nayar;
 use super::paint::{Context, Paint, Picture, color, paint, share};
+use super::plastics::Surface;
 use super::spectrum::Use;
 use super::tree::Node;
 use crate::input::Scope;
 use glam::Affine2;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use unrender_scene::{BrdfModel, Material, Rgb, Texture, WardModel};
+use unrender_scene::reflectance::ior_of_f0;
+use unrender_scene::{BrdfModel, Layering, LobeAlbedo, Material, Rgb, Texture, WardModel};
+
+/// The doubt about the lobes of other microfacets.
+pub(super) const BECKMANN: &str =
+    "the roughness of its Beckmann microfacets was taken as that of GGX";
 
 /// A material, and in what it differs from the BSDF.
 #[derive(Clone, Debug)]
@@ -30,14 +40,21 @@ pub(super) struct Reflectance {
     pub(super) is_two_sided: bool,
     /// Whether it is invisible: light goes straight through.
     pub(super) is_nothing: bool,
+    /// Whether it lets light through, which is not modelled.
+    pub(super) is_clear: bool,
     doubts: Vec<String>,
 }
 
 impl Reflectance {
     fn of(material: Material) -> Self {
         let (to_uv, doubts) = (Affine2::IDENTITY, Vec::new());
-        let (is_two_sided, is_nothing) = (false, false);
-        Self { material, to_uv, is_ggx: false, model: None, is_two_sided, is_nothing, doubts }
+        let (is_two_sided, is_nothing, is_clear) = (false, false, false);
+        let (is_ggx, model) = (false, None);
+        Self { material, to_uv, is_ggx, model, is_two_sided, is_nothing, is_clear, doubts }
+    }
+
+    fn clear() -> Self {
+        Self { is_clear: true, ..Self::diffuse(Rgb::ZERO) }
     }
 
     pub(super) fn diffuse(rho_d: Rgb) -> Self {
@@ -56,6 +73,29 @@ impl Reflectance {
             (painted.material.texture, painted.to_uv) = (Some(texture), to_uv);
         }
         painted
+    }
+
+    /// Gives it the roughness of `node`.
+    fn roughen(&mut self, context: &Context, node: Node) -> Result<(), String> {
+        let alpha = share(context, node, "alpha", 0.1)?;
+        self.material.alpha_x = share(context, node, "alpha_u", alpha)?;
+        self.material.alpha_y = share(context, node, "alpha_v", alpha)?;
+        self.is_ggx = is_ggx(node)?;
+        if !self.is_ggx {
+            self.doubt(BECKMANN);
+        }
+        Ok(())
+    }
+
+    /// The same with a free reflectance, which can be added to others.
+    fn freed(mut self) -> Self {
+        if !self.material.reflectance.is_free() {
+            self.material = self.material.freed();
+            self.doubt(
+                "its plastics and metals reflect as at normal incidence, as they are blended",
+            );
+        }
+        self
     }
 
     /// Whether it depends on texture coordinates.
@@ -152,9 +192,12 @@ impl Reflectances {
             "blendbsdf" => self.blend(context, node),
             "null" => Ok(Reflectance { is_nothing: true, ..Reflectance::diffuse(Rgb::ZERO) }),
             "dielectric" | "roughdielectric" | "thindielectric" | "principledthin" => {
-                Err(node
-                    .refused("it lets light through; leave its shapes out, or make them opaque"))
+                node.pass_all();
+                Ok(Reflectance::clear())
             }
+            "phong" => phong(context, node),
+            "coating" | "roughcoating" => coated(context, node, self.inner(context, node)?),
+            "roughdiffuse" => rough_diffuse(context, node),
             _ => Err(node.refused("put a diffuse, conductor, plastic or principled in its place")),
         }
     }
@@ -196,10 +239,13 @@ impl Reflectances {
         let [one, two] = node.children("bsdf")[..] else {
             return Err(node.fail("a blendbsdf has two BSDFs in it"));
         };
-        let parts = (self.read(context, one)?, self.read(context, two)?);
+        let parts = (self.read(context, one)?.freed(), self.read(context, two)?.freed());
         let placed = |problem: String| node.fail(problem);
         let mut blend = parts.0.scaled(1.0 - weight, context.scope).map_err(placed)?;
         let two = parts.1.scaled(weight, context.scope).map_err(placed)?;
+        if blend.is_clear || two.is_clear {
+            return Ok(Reflectance::clear());
+        }
         if blend.is_nothing || two.is_nothing {
             return Err(node.refused("one of its parts is nothing"));
         }
@@ -228,9 +274,10 @@ impl Reflectances {
 /// Whether the microfacets are those of GGX.
 fn is_ggx(node: Node) -> Result<bool, String> {
     match node.text("distribution")?.unwrap_or("beckmann") {
-        "beckmann" => Ok(false),
+        // Those of Mitsuba 0.5 have the width of Beckmann's of the same alpha.
+        "beckmann" | "phong" | "as" => Ok(false),
         "ggx" => Ok(true),
-        _ => Err(node.wrong("distribution", "\"beckmann\" or \"ggx\"")),
+        _ => Err(node.wrong("distribution", "\"beckmann\", \"ggx\", \"phong\" or \"as\"")),
     }
 }
 
@@ -239,16 +286,10 @@ fn conductor(context: &Context, node: Node) -> Result<Reflectance, String> {
     let scale = color(context, node, "specular_reflectance", Use::Index, 1.0)?;
     let mut read = Reflectance::of(Material::mirror(scale * metal));
     if metal != Rgb::ONE {
-        read.doubt("its metal was taken to reflect at all angles as at normal incidence");
+        read.material = Material::metal(scale * metal, false, 0.0);
     }
     if node.kind() == "roughconductor" {
-        let alpha = share(context, node, "alpha", 0.1)?;
-        read.material.alpha_x = share(context, node, "alpha_u", alpha)?;
-        read.material.alpha_y = share(context, node, "alpha_v", alpha)?;
-        read.is_ggx = is_ggx(node)?;
-        if !read.is_ggx {
-            read.doubt("the roughness of its microfacets was taken as Ward's");
-        }
+        read.roughen(context, node)?;
     }
     Ok(read)
 }
@@ -256,30 +297,36 @@ fn conductor(context: &Context, node: Node) -> Result<Reflectance, String> {
 fn plastic(context: &Context, node: Node) -> Result<Reflectance, String> {
     let diffuse = paint(context, node, "diffuse_reflectance", Use::Reflectance, 0.5)?;
     let index = metals::relative_index(node, 1.49)?;
-    let f0 = metals::dielectric(index);
-    let inside = metals::diffuse_inside(index);
-    // Light that enters is reflected to and fro below the surface; if the plastic is not `nonlinear`,
-    // as if it were white there.
-    let below = if node.flag("nonlinear", false)? { diffuse.mean } else { Rgb::ONE };
-    let through = (1.0 - f0) * (1.0 - inside) / (Rgb::ONE - inside * below);
-    let diffuse = diffuse.scaled(through, context.scope).map_err(|problem| node.fail(problem))?;
-    let mut read = Reflectance::painted(diffuse);
-    read.material.rho_s = f0 * color(context, node, "specular_reflectance", Use::Index, 1.0)?;
+    let shine = color(context, node, "specular_reflectance", Use::Index, 1.0)?;
+    let is_nonlinear = node.flag("nonlinear", false)?;
+    let mut lobe = Reflectance::of(Material::plastic(Rgb::ZERO, index, Layering::Coupled, 0.0));
     if node.kind() != "plastic" {
-        let alpha = share(context, node, "alpha", 0.1)?;
-        let (u, v) =
-            (share(context, node, "alpha_u", alpha)?, share(context, node, "alpha_v", alpha)?);
-        (read.material.alpha_x, read.material.alpha_y) = (u, v);
-        read.is_ggx = is_ggx(node)?;
+        lobe.roughen(context, node)?;
     }
-    read.doubt("plastic was taken as it reflects at normal incidence");
+    let Material { alpha_x, alpha_y, .. } = lobe.material;
+    let surface = Surface::new(index, (alpha_x * alpha_y).sqrt());
+    let base = diffuse.mapped(|texel| surface.base(texel, is_nonlinear), context.scope);
+    let read = Reflectance::painted(base.map_err(|problem| node.fail(problem))?);
+    let Material { rho_d, texture, .. } = read.material;
+    let mut read = Reflectance {
+        material: Material { rho_d, texture, ..lobe.material },
+        is_ggx: lobe.is_ggx,
+        ..read
+    };
+    lobe.doubts.into_iter().for_each(|doubt| read.doubt(doubt));
+    if index <= 1.0 || shine == Rgb::ZERO {
+        read.material = read.material.without_lobe();
+    } else if shine != Rgb::ONE {
+        read.doubt("the colour of its specular reflectance was left out: Fresnel's has none");
+    }
     Ok(read)
 }
 
 fn principled(context: &Context, node: Node) -> Result<Reflectance, String> {
     let base = paint(context, node, "base_color", Use::Reflectance, 0.5)?;
     if share(context, node, "spec_trans", 0.0)? > 0.0 {
-        return Err(node.refused("its spec_trans lets light through; make it opaque"));
+        node.pass_all();
+        return Ok(Reflectance::clear());
     }
     let metallic = share(context, node, "metallic", 0.0)?.clamp(0.0, 1.0);
     let roughness = share(context, node, "roughness", 0.5)?;
@@ -292,16 +339,29 @@ fn principled(context: &Context, node: Node) -> Result<Reflectance, String> {
     let mean = base.mean;
     let diffuse = base.scaled(Rgb::splat(1.0 - metallic), context.scope);
     let mut read = Reflectance::painted(diffuse.map_err(|problem| node.fail(problem))?);
-    read.material.rho_s = Rgb::splat(f0 * (1.0 - metallic)) + metallic * mean;
-    read.material.alpha_x = (roughness * roughness / stretch).max(1e-3);
-    read.material.alpha_y = (roughness * roughness * stretch).max(1e-3);
+    let alpha = roughness * roughness;
+    let lobe = match metallic {
+        1.0 => Material::metal(mean, false, alpha),
+        0.0 if f0 > 0.0 && f0 < 1.0 => {
+            Material::plastic(Rgb::ZERO, ior_of_f0(f0), Layering::AlbedoScaled, alpha)
+        }
+        _ => Material::isotropic(
+            Rgb::ZERO,
+            Rgb::splat(f0 * (1.0 - metallic)) + metallic * mean,
+            alpha,
+        ),
+    };
+    let Material { rho_d, texture, .. } = read.material;
+    read.material = Material { rho_d, texture, ..lobe };
+    read.material.alpha_x = (alpha / stretch).max(1e-3);
+    read.material.alpha_y = (alpha * stretch).max(1e-3);
     read.is_ggx = true;
     for name in ["sheen", "clearcoat", "flatness", "spec_tint"] {
         if node.has(name) && share(context, node, name, 0.0)? > 0.0 {
             read.doubt(format!("its {name} was left out"));
         }
     }
-    read.doubt("principled was taken as a diffuse part and one of GGX, as at normal incidence");
+    read.doubt("principled was taken as a metal, or as a plastic whose base is Lambertian");
     Ok(read)
 }
 
@@ -320,5 +380,64 @@ fn ward(context: &Context, node: Node) -> Result<Reflectance, String> {
     read.material.alpha_x = share(context, node, "alpha_u", alpha)?;
     read.material.alpha_y = share(context, node, "alpha_v", alpha)?;
     read.model = Some(BrdfModel::Ward(model));
+    Ok(read)
+}
+
+/// The lobe of Phong, which Mitsuba had up to version 0.6.
+fn phong(context: &Context, node: Node) -> Result<Reflectance, String> {
+    let diffuse = paint(context, node, "diffuse_reflectance", Use::Reflectance, 0.5)?;
+    let exponent = share(context, node, "exponent", 30.0)?;
+    let alpha = (0.5 / (exponent + 2.0)).sqrt();
+    let specular = color(context, node, "specular_reflectance", Use::Index, 0.2)?;
+    // Mitsuba makes both darker where they would reflect more light than there is.
+    let share = 1.0 / (diffuse.mean + specular).max_element().max(1.0);
+    let diffuse = diffuse.scaled(Rgb::splat(share), context.scope);
+    let mut read = Reflectance::painted(diffuse.map_err(|problem| node.fail(problem))?);
+    read.material.rho_s = share * specular;
+    (read.material.alpha_x, read.material.alpha_y) = (alpha, alpha);
+    read.doubt("phong was taken as a lobe that is as high and as wide at normal incidence");
+    Ok(read)
+}
+
+/// The BSDF `node`, a dielectric coat over `inner`: over a diffuse one a plastic, whose light is not reflected to and fro below
+/// the coat in Mitsuba; another one gets darker, as light goes through the coat twice.
+fn coated(context: &Context, node: Node, inner: Reflectance) -> Result<Reflectance, String> {
+    let index = metals::relative_index(node, 1.5046)?;
+    let coat = color(context, node, "specular_reflectance", Use::Reflectance, 1.0)?;
+    if inner.is_clear || inner.is_nothing {
+        return Ok(inner);
+    }
+    let (inner, is_rough) = (inner.freed(), node.kind() == "roughcoating");
+    let alpha = if is_rough { share(context, node, "alpha", 0.1)? } else { 0.0 };
+    let leaving = (1.0 - LobeAlbedo::dielectric(index, alpha).mean().value) / (index * index);
+    let f0 = metals::dielectric(index);
+    let below = inner.material.rho_s * (1.0 - f0).powi(2);
+    let is_dull = below.max_element() <= 0.0;
+    let through = if is_dull { leaving } else { (1.0 - f0) * leaving };
+    let mut read = inner.scaled(through, context.scope).map_err(|problem| node.fail(problem))?;
+    if !is_dull {
+        read.material.rho_s = below;
+        read.doubt("its coating only darkens it; the coating's own reflection was left out");
+    } else if index > 1.0 && coat != Rgb::ZERO {
+        let lobe = Material::plastic(Rgb::ZERO, index, Layering::Coupled, alpha);
+        let Material { rho_d, texture, .. } = read.material;
+        read.material = Material { rho_d, texture, ..lobe };
+        (read.is_ggx, read.model) = (is_rough && is_ggx(node)?, None);
+        if coat != Rgb::ONE {
+            read.doubt("the colour of its specular reflectance was left out: Fresnel's has none");
+        }
+    }
+    Ok(read)
+}
+
+fn rough_diffuse(context: &Context, node: Node) -> Result<Reflectance, String> {
+    let diffuse = paint(context, node, "reflectance", Use::Reflectance, 0.5)?;
+    let alpha = f64::from(share(context, node, "alpha", 0.2)?);
+    let is_fast = node.flag("use_fast_approx", false)?;
+    let [once, twice] = oren_nayar::albedo(alpha, is_fast).map(|factor| factor as f32);
+    let mean = diffuse.mean;
+    let scaled = diffuse.scaled(Rgb::splat(once) + twice * mean, context.scope);
+    let mut read = Reflectance::painted(scaled.map_err(|problem| node.fail(problem))?);
+    read.doubt("roughdiffuse was taken as a Lambertian reflectance of the same albedo");
     Ok(read)
 }

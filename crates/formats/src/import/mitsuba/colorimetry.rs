@@ -15,7 +15,7 @@ const STEP_NM: f64 = 5.0;
 /// Wavelengths at which a spectrum is summed.
 const SAMPLES: u32 = 1000;
 /// The integral of the luminous efficiency over the table, nm.
-const LUMINANCE: f64 = 106.750_259_399_414_06;
+pub(super) const LUMINANCE: f64 = 106.750_259_399_414_06;
 /// The luminance of the table's D65, the integral divided by [`LUMINANCE`].
 const DAYLIGHT: f64 = 98.997_417_518_762_55;
 

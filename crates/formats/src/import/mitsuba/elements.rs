@@ -22,15 +22,17 @@ pub(super) const PLUGINS: [Entry; 12] = [
 ];
 
 /// Elements that are properties.
-pub(super) const PROPERTIES: [Entry; 8] = [
+pub(super) const PROPERTIES: [Entry; 9] = [
     read("float", "a number"),
     read("integer", "a whole number"),
     read("boolean", "true or false, in small letters or large ones"),
     read("string", "a text"),
-    read("rgb", "linear sRGB: three numbers, or one for all"),
+    read("rgb", "linear sRGB: three numbers, or one for all; in Mitsuba 0.5 #rrggbb, too"),
+    read("srgb", "of Mitsuba 0.5 and 0.6: #rrggbb, or numbers as a picture has them, 0 to 1"),
     read(
         "spectrum",
-        "a number, wavelengths with values, a file of them, or a plugin; as linear sRGB",
+        "a number, wavelengths with values, a file of them, or a plugin; as linear sRGB; in Mitsuba 0.5 three numbers of \
+         linear sRGB, too",
     ),
     read("point", NUMBERS),
     read("vector", NUMBERS),

@@ -2,8 +2,8 @@
 
 use super::paint::{Context, color};
 use super::spectrum::Use;
-use super::spot;
 use super::tree::Node;
+use super::{sky, spot};
 use crate::picture;
 use glam::{DAffine3, Mat3, Vec3};
 use std::f32::consts::{PI, TAU};
@@ -15,8 +15,20 @@ pub(super) enum Emitter {
     Environment(Environment),
 }
 
-/// The emitter `node`.
-pub(super) fn read(context: &Context, node: Node) -> Result<Emitter, String> {
+/// The emitters that `node` is; none if its file is missing.
+pub(super) fn read(context: &Context, node: Node) -> Result<Vec<Emitter>, String> {
+    match node.kind() {
+        "envmap" => Ok(panorama(context, node)?.map(Emitter::Environment).into_iter().collect()),
+        "sunsky" | "sky" | "sun" => {
+            let (light, around) = sky::read(context, node)?;
+            let light = light.map(Emitter::Light);
+            Ok(light.into_iter().chain(around.map(Emitter::Environment)).collect())
+        }
+        _ => plain(context, node).map(|emitter| vec![emitter]),
+    }
+}
+
+fn plain(context: &Context, node: Node) -> Result<Emitter, String> {
     if let Some(light) = &node.note().light {
         return Ok(Emitter::Light(light.clone()));
     }
@@ -51,12 +63,11 @@ pub(super) fn read(context: &Context, node: Node) -> Result<Emitter, String> {
             let around = Environment::new(panorama, 0.0).map_err(|error| node.fail(error))?;
             return Ok(Emitter::Environment(around));
         }
-        "envmap" => return panorama(context, node).map(Emitter::Environment),
         "area" => return Err(node.fail("an emitter of type \"area\" stands outside of a shape")),
         _ => {
-            return Err(
-                node.refused("supported are area, point, spot, directional, constant and envmap")
-            );
+            return Err(node.refused(
+                "supported are area, point, spot, directional, constant, envmap, sunsky, sky and sun",
+            ));
         }
     };
     Ok(Emitter::Light(Light { name, kind }))
@@ -110,9 +121,16 @@ fn between_poles(theirs: &RgbImage) -> RgbImage {
     })
 }
 
-/// The panorama of an `envmap`, whose middle lies along +z, up along +y, before `to_world`.
-fn panorama(context: &Context, node: Node) -> Result<Environment, String> {
-    let path = node.file(context.scope, "filename")?;
+/// The panorama of an `envmap`, whose middle lies along +z, up along +y, before `to_world`; none if its file is
+/// missing.
+fn panorama(context: &Context, node: Node) -> Result<Option<Environment>, String> {
+    let Some(path) = node.file(context.scope, "filename")? else {
+        let file = node.text("filename")?.unwrap_or_default();
+        context
+            .warn(node.fail(format!("the picture \"{file}\" is missing; its envmap was left out")));
+        node.pass_all();
+        return Ok(None);
+    };
     let (read, told) =
         picture::read_in(context.scope, &path).map_err(|error| node.fail(error.to_string()))?;
     context.warnings.borrow_mut().extend(told);
@@ -130,7 +148,7 @@ fn panorama(context: &Context, node: Node) -> Result<Environment, String> {
     if is_upright {
         // Ours has its middle along -z.
         let turn = z.x.atan2(z.z) - PI;
-        return around(radiance, if turn <= -PI { turn + TAU } else { turn });
+        return around(radiance, if turn <= -PI { turn + TAU } else { turn }).map(Some);
     }
     let local_from_world = Mat3::from_cols(x, y, z).inverse();
     if !local_from_world.is_finite() {
@@ -147,5 +165,5 @@ fn panorama(context: &Context, node: Node) -> Result<Environment, String> {
         let direction = upright.direction(u, Environment::cos_polar(v));
         local.radiance((local_from_world * direction).normalize_or(Vec3::Y))
     });
-    around(turned, 0.0)
+    around(turned, 0.0).map(Some)
 }

@@ -36,16 +36,21 @@ fn coarse(mesh: &Mesh, (here_from_mesh, zero): (&DAffine3, DVec3)) -> Option<Str
 
 /// The mesh that the shape `node` of the kind `ply`, `obj` or `serialized` names, in the scene's coordinates:
 /// `here_from_mesh` moves it there when it counts from `zero`. It has texture coordinates in any case, if it
-/// `wants_uvs`.
+/// `wants_uvs`. None if the file is missing.
 pub(super) fn read(
     context: &Context,
     node: Node,
     (here_from_mesh, zero): (&DAffine3, DVec3),
     wants_uvs: bool,
-) -> Result<Mesh, String> {
+) -> Result<Option<Mesh>, String> {
     let scope = context.scope;
     let path = node.file(scope, "filename")?;
     let file = node.text("filename")?.unwrap_or_default();
+    let Some(path) = path else {
+        context.warn(node.fail(format!("the mesh \"{file}\" is missing; its shape was left out")));
+        node.pass_all();
+        return Ok(None);
+    };
     let within = |problem: String| node.fail(format!("\"{file}\" {problem}"));
     let bytes = scope.read(&path).map_err(within)?;
     let mut is_flat = node.flag("face_normals", false)?;
@@ -88,5 +93,5 @@ pub(super) fn read(
     if wants_uvs && mesh.uvs.is_empty() {
         mesh = shapes::with_own_uvs(&mesh);
     }
-    Ok(shapes::facing_outwards(mesh))
+    Ok(Some(shapes::facing_outwards(mesh)))
 }

@@ -51,7 +51,7 @@ const CONDUCTORS: [(&str, [f32; 3]); 39] = [
 ];
 
 /// Indices of refraction by Mitsuba's names.
-const DIELECTRICS: [(&str, f32); 22] = [
+const DIELECTRICS: [(&str, f32); 23] = [
     ("vacuum", 1.0),
     ("helium", 1.000_036),
     ("hydrogen", 1.000_132),
@@ -73,13 +73,15 @@ const DIELECTRICS: [(&str, f32); 22] = [
     ("sodium chloride", 1.544),
     ("amber", 1.55),
     ("pet", 1.575),
+    ("bromine", 1.661),
     ("diamond", 2.419),
 ];
 
 /// What the metal of a conductor reflects at normal incidence.
 pub(super) fn conductor(context: &Context, node: Node) -> Result<Rgb, String> {
-    let material = node.text("material")?.unwrap_or("none");
     let has_index = node.has("eta") || node.has("k");
+    let default = if node.is_old() && !has_index { "Cu" } else { "none" };
+    let material = node.text("material")?.unwrap_or(default);
     if material != "none" {
         if has_index {
             return Err(node.fail("there is a material beside eta and k; leave one of them out"));
@@ -91,8 +93,11 @@ pub(super) fn conductor(context: &Context, node: Node) -> Result<Rgb, String> {
         });
     }
     // Without any of them it is a perfect mirror.
-    let eta = color(context, node, "eta", Use::Index, 0.0)?;
-    let k = color(context, node, "k", Use::Index, 1.0)?;
+    // Fresnel's equations know the squares of both only: published indices are below zero in red where the colour of
+    // their spectrum is out of gamut.
+    let outside = index(node, "ext_eta", 1.0)?;
+    let eta = color(context, node, "eta", Use::Refraction, 0.0)?.abs() / outside;
+    let k = color(context, node, "k", Use::Refraction, 1.0)?.abs() / outside;
     let square = |v: Rgb| v * v;
     Ok((square(eta - 1.0) + square(k)) / (square(eta + 1.0) + square(k)).max(Rgb::splat(1e-9)))
 }
@@ -118,32 +123,6 @@ pub(super) fn dielectric(index: f32) -> f32 {
     ((index - 1.0) / (index + 1.0)).powi(2)
 }
 
-/// The share of diffuse light that a dielectric of this relative index reflects back into itself.
-pub(super) fn diffuse_inside(index: f32) -> f32 {
-    const STEPS: u32 = 1000;
-    // The mean with the weight of the cosine is that over equal steps of its square.
-    let mean: f64 = (0..STEPS)
-        .map(|i| {
-            let cos2 = (f64::from(i) + 0.5) / f64::from(STEPS);
-            fresnel(1.0 / f64::from(index), cos2.sqrt())
-        })
-        .sum();
-    (mean / f64::from(STEPS)) as f32
-}
-
-/// The share of unpolarised light that a dielectric of the relative index `index` reflects at the cosine
-/// `cos`.
-fn fresnel(index: f64, cos: f64) -> f64 {
-    let sin2_within = (1.0 - cos * cos) / (index * index);
-    if sin2_within >= 1.0 {
-        return 1.0;
-    }
-    let within = (1.0 - sin2_within).sqrt();
-    let across = (cos - index * within) / (cos + index * within);
-    let along = (index * cos - within) / (index * cos + within);
-    0.5 * (across * across + along * along)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -151,7 +130,5 @@ mod tests {
     #[test]
     fn glass_reflects_as_published() {
         assert!((dielectric(1.5) - 0.04).abs() < 1e-6);
-        // [Egan and Hilgeman 1973, table 1]: 0.596 for an index of 1.5.
-        assert!((diffuse_inside(1.5) - 0.596).abs() < 2e-3, "{}", diffuse_inside(1.5));
     }
 }

@@ -3,6 +3,7 @@
 use super::elements::STEPS;
 use crate::entry::find;
 use glam::{DAffine3, DMat3, DVec3};
+use unrender_scene::color::linear_from_srgb;
 
 /// A position in double precision.
 pub(super) type Point = DVec3;
@@ -26,6 +27,29 @@ pub(super) fn triple(text: &str) -> Result<Option<[f64; 3]>, String> {
         [x, y, z] => Some([x, y, z]),
         _ => None,
     })
+}
+
+/// The numbers of `#rrggbb`, 0 to 1; none if it is something else.
+pub(super) fn hexadecimal(text: &str) -> Option<[f64; 3]> {
+    let digits = text.trim().strip_prefix('#')?;
+    let is_code = digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit());
+    let code = is_code.then(|| u32::from_str_radix(digits, 16).ok()).flatten()?;
+    Some([16, 8, 0].map(|shift| f64::from((code >> shift) & 0xff) / 255.0))
+}
+
+/// A colour as a picture has it, `#rrggbb` or one number or three of 0 to 1, as linear sRGB.
+pub(super) fn encoded(text: &str) -> Result<[f64; 3], String> {
+    let problem =
+        || format!("\"{text}\" is no sRGB colour; give #rrggbb, or three numbers of 0 to 1");
+    let codes = match hexadecimal(text) {
+        Some(codes) => codes,
+        None if text.trim().starts_with('#') => return Err(problem()),
+        None => triple(text)?.ok_or_else(problem)?,
+    };
+    if codes.iter().any(|code| !(0.0..=1.0).contains(code)) {
+        return Err(problem());
+    }
+    Ok(codes.map(|code| f64::from(linear_from_srgb(code as f32))))
 }
 
 /// `true` or `false`, in large letters or small ones.

@@ -12,6 +12,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use unrender_scene::{Image, Rgb, Texture, Warnings, Wrap};
 
+/// A texture whose file is missing is this grey. Half of it would make a room of such textures three times as dark;
+/// twice as much is white.
+const UNKNOWN: f32 = 0.5;
+
 /// The limits of reading, the warnings, and the textures that were read.
 pub(super) struct Context<'a> {
     pub(super) scope: &'a Scope,
@@ -53,16 +57,23 @@ impl Paint {
 
     /// This times `by`.
     pub(super) fn scaled(&self, by: Rgb, scope: &Scope) -> Result<Self, String> {
-        let mut scaled = Self { mean: self.mean * by, picture: self.picture.clone() };
-        if by != Rgb::ONE
-            && let Some(picture) = &mut scaled.picture
-        {
+        if by == Rgb::ONE {
+            return Ok(Self { mean: self.mean, picture: self.picture.clone() });
+        }
+        self.mapped(|texel| texel * by, scope)
+    }
+
+    /// Every texel's `of`.
+    pub(super) fn mapped(&self, of: impl Fn(Rgb) -> Rgb, scope: &Scope) -> Result<Self, String> {
+        let mut mapped = Self { mean: of(self.mean), picture: self.picture.clone() };
+        if let Some(picture) = &mut mapped.picture {
             let old = &picture.texture;
             scope.charge(size_of_val(old.image.pixels()) as u64)?;
-            let image = old.image.map(|texel| *texel * by);
+            let image = old.image.map(|texel| of(*texel));
+            mapped.mean = texels::mean(&image);
             picture.texture = Arc::new(Texture { image, ..**old });
         }
-        Ok(scaled)
+        Ok(mapped)
     }
 }
 
@@ -84,7 +95,8 @@ pub(super) fn paint(
         }
         Some(_) => return Err(node.wrong(name, "a colour or a texture")),
     };
-    if color.min_element() < 0.0 || !color.is_finite() {
+    let is_below = usage != Use::Refraction && color.min_element() < 0.0;
+    if is_below || !color.is_finite() {
         return Err(node.wrong(name, "a colour: it is below zero or not finite"));
     }
     if usage == Use::Reflectance && color.max_element() > 1.0 {
@@ -209,15 +221,26 @@ fn to_uv(node: Node) -> Result<Affine2, String> {
 
 fn bitmap(context: &Context, node: Node) -> Result<Paint, String> {
     let scope = context.scope;
-    let path = node.file(scope, "filename")?;
+    let Some(path) = node.file(scope, "filename")? else {
+        let file = node.text("filename")?.unwrap_or_default();
+        context
+            .warn(node.fail(format!("the texture \"{file}\" is missing; grey was taken for it")));
+        node.pass_all();
+        return Ok(Paint::plain(Rgb::splat(UNKNOWN)));
+    };
     let (read, told) =
         picture::read_in(scope, &path).map_err(|error| node.fail(error.to_string()))?;
     context.warnings.borrow_mut().extend(told);
     let image = if node.flag("raw", false)? { read.values.clone() } else { read.to_linear() };
     let image = match node.text("filter_type")?.unwrap_or("bilinear") {
-        "bilinear" => image,
+        // Trilinear and anisotropic filters average what is far away, which many samples a pixel do, too.
+        "bilinear" | "trilinear" | "ewa" => image,
         "nearest" => sharp(scope, image).map_err(|problem| node.fail(problem))?,
-        _ => return Err(node.wrong("filter_type", "\"bilinear\" or \"nearest\"")),
+        _ => {
+            return Err(
+                node.wrong("filter_type", "\"bilinear\", \"trilinear\", \"ewa\" or \"nearest\"")
+            );
+        }
     };
     let wrap = match node.text("wrap_mode")?.unwrap_or("repeat") {
         "repeat" => Wrap::Repeat,

@@ -143,7 +143,18 @@ impl Parser<'_> {
         let known = plugins::find(tag, kind);
         let (tag, kind, id) = (tag.to_owned(), kind.to_owned(), id.to_owned());
         let (properties, seen) = (Vec::new(), Cell::new(false));
-        self.tree.plugins.push(Plugin { tag, kind, known, id, note, place, properties, seen });
+        let is_old = false;
+        self.tree.plugins.push(Plugin {
+            tag,
+            kind,
+            known,
+            id,
+            note,
+            place,
+            is_old,
+            properties,
+            seen,
+        });
         self.tree.plugins.len() - 1
     }
 
@@ -262,6 +273,7 @@ impl Parser<'_> {
             self.set(parent, get("name"), Value::Plugin(index), text, place)?;
             self.children(xml, index, text, depth)?;
             if text.is_old {
+                self.tree.plugins[index].is_old = true;
                 upgrade::plugin(&mut self.tree.plugins[index]);
             }
             return Ok(());
@@ -314,7 +326,9 @@ impl Parser<'_> {
     ) -> Result<Value, String> {
         let known = find_entry(&PROPERTIES, tag).map_or("", |entry| entry.name);
         let others: (&[&str], &[&str]) = match known {
-            "float" | "integer" | "boolean" | "string" | "rgb" => (&["name", "value"], &[]),
+            "float" | "integer" | "boolean" | "string" | "rgb" | "srgb" => {
+                (&["name", "value"], &[])
+            }
             "point" | "vector" => (&["name"], &["value", "x", "y", "z"]),
             "spectrum" => (&["name"], &["value", "filename"]),
             _ => {
@@ -333,11 +347,21 @@ impl Parser<'_> {
             "boolean" => motion::flag(value).map(Value::Flag),
             "string" => Ok(Value::Text(value.to_owned())),
             "point" | "vector" => vector(attributes, None).map(Value::Vector),
+            // Mitsuba 0.5 and 0.6 take both for linear sRGB.
+            "rgb" if text.is_old && motion::hexadecimal(value).is_some() => {
+                Ok(Value::Color(motion::hexadecimal(value).unwrap_or_default()))
+            }
+            "spectrum"
+                if text.is_old && motion::words(value).count() == 3 && !value.contains(':') =>
+            {
+                motion::triple(value).map(|color| Value::Color(color.unwrap_or_default()))
+            }
             "rgb" => match motion::triple(value) {
                 Ok(Some(color)) => Ok(Value::Color(color)),
                 Ok(None) => Err(format!("\"{value}\" is no colour; give one number or three")),
                 Err(problem) => Err(problem),
             },
+            "srgb" => motion::encoded(value).map(Value::Color),
             _ => self.spectrum(attributes, text).map(Value::Spectrum),
         };
         let name = attribute(attributes, "name").unwrap_or_default();

@@ -3,6 +3,8 @@
 //! A property without a row here cannot be asked for ([`Node`](super::tree::Node) looks it up), so a warning says
 //! that it is not read; for one that is passed over here there is no warning.
 
+mod emitters;
+
 use crate::entry::{Entry, Table, Taken, near, passed, read, refused, told};
 
 /// A plugin by its element and its type.
@@ -26,9 +28,14 @@ struct Shared {
     properties: &'static [Entry],
 }
 
+/// All plugins.
+fn all() -> impl Iterator<Item = &'static Plugin> {
+    PLUGINS.iter().chain(emitters::EMITTERS)
+}
+
 /// The plugin of the element `tag` and of the type `kind`.
 pub(super) fn find(tag: &str, kind: &str) -> Option<&'static Plugin> {
-    let of = |kind: &str| PLUGINS.iter().find(|plugin| plugin.tag == tag && plugin.kind == kind);
+    let of = |kind: &str| all().find(|plugin| plugin.tag == tag && plugin.kind == kind);
     of(kind).or_else(|| of("*"))
 }
 
@@ -70,7 +77,7 @@ pub(super) fn tables() -> Vec<Table> {
     let tags = |tag: &'static str| if tag == "sensor" { vec![tag, "film"] } else { vec![tag] };
     let table = |(title, tag): (&'static str, &'static str)| {
         let tags = tags(tag);
-        let of_tag = || PLUGINS.iter().filter(|plugin| tags.contains(&plugin.tag));
+        let of_tag = || all().filter(|plugin| tags.contains(&plugin.tag));
         let mut table = Table::new(title, "type, or property", []);
         for plugin in of_tag() {
             table.add("", [&plugin.entry]);
@@ -112,14 +119,6 @@ const fn texture(entry: Entry, properties: &'static [Entry]) -> Plugin {
     plugin(("texture", entry.name), entry, properties)
 }
 
-const fn emitter(entry: Entry, properties: &'static [Entry]) -> Plugin {
-    sharing(EMITTERS, plugin(("emitter", entry.name), entry, properties))
-}
-
-const fn sensor(entry: Entry, properties: &'static [Entry]) -> Plugin {
-    sharing(SENSORS, plugin(("sensor", entry.name), entry, properties))
-}
-
 const SHAPES: &Shared = &Shared {
     of: "shapes",
     properties: &[
@@ -131,50 +130,34 @@ const SHAPES: &Shared = &Shared {
     ],
 };
 
-const EMITTERS: &Shared =
-    &Shared { of: "emitters", properties: &[passed("sampling_weight", "how it is sampled")] };
-
-const SENSORS: &Shared = &Shared {
-    of: "sensors",
-    properties: &[
-        read("to_world", "where it is and where it looks"),
-        read("fov", "the angle of view, degrees"),
-        read("fov_axis", "x, y, diagonal, smaller or larger"),
-        read(
-            "focal_length",
-            "in its place, of a film of 24 mm x 36 mm by its diagonal; 50mm by default",
-        ),
-        read("principal_point_offset_x", "how far the axis is off the middle"),
-        read("principal_point_offset_y", "how far the axis is off the middle"),
-        read("<film>", "the sides of the picture"),
-        passed("<sampler>", "how pixels are sampled"),
-        passed("near_clip", "nearer surfaces are seen, too"),
-        passed("far_clip", "surfaces further away are seen, too"),
-        passed("focus_distance", "all is sharp"),
-        passed("shutter_open", "nothing moves"),
-        passed("shutter_close", "nothing moves"),
-    ],
-};
-
-const TRANSPARENT: &str = "it lets light through; leave its shapes out, or make them opaque";
+const CLEAR: &str = "it lets light through: its shapes are left out, and a recovery masks them";
+const COAT: &str =
+    "of Mitsuba 0.5; over a diffuse BSDF a plastic, over others only its darkening, with a warning";
 const LEFT_OUT: &str = "it is left out";
-const AT_NORMAL: &str = "reflects at all angles as at normal incidence";
+const METAL: &str =
+    "a metal that reflects so at normal incidence, and by Schlick's approximation at others";
 const ROUGHNESS: &str = "a number, or the mean of a texture, with a warning";
 
 const DISTRIBUTION: Entry = read(
     "distribution",
-    "ggx; beckmann, the default, is taken as Ward's of the same roughness, with a warning for metals",
+    "ggx; beckmann, the default, is taken as GGX of the same roughness, with a warning; phong and as, \
+     of Mitsuba 0.5, as beckmann",
 );
 const ALPHA: Entry = read("alpha", ROUGHNESS);
 const ALPHA_U: Entry = read("alpha_u", ROUGHNESS);
 const ALPHA_V: Entry = read("alpha_v", ROUGHNESS);
 const VISIBLE: Entry = passed("sample_visible", "how it is sampled");
 const DIFFUSE: Entry = read("diffuse_reflectance", "a colour, a spectrum or a texture");
+const SHINE: Entry = told(
+    "specular_reflectance",
+    "zero is no lobe; colours are left out: Fresnel's reflectance has none",
+);
 const SPECULAR: Entry =
     read("specular_reflectance", "a colour; the mean of a texture, with a warning");
-const MATERIAL: Entry = told("material", AT_NORMAL);
-const ETA: Entry = told("eta", AT_NORMAL);
-const K: Entry = told("k", AT_NORMAL);
+const MATERIAL: Entry = read("material", METAL);
+const ETA: Entry = read("eta", METAL);
+const K: Entry = read("k", METAL);
+const EXT_ETA: Entry = read("ext_eta", "a number or the name of a material; 1 by default");
 const INT_IOR: Entry = read("int_ior", "a number or the name of a material");
 const EXT_IOR: Entry = read("ext_ior", "a number or the name of a material");
 const NONLINEAR: Entry =
@@ -191,19 +174,10 @@ const FLAT: Entry = read("face_normals", "its triangles are flat");
 const FLIPPED: Entry =
     read("flip_tex_coords", "v counts from the other end; true by default for obj only");
 
-const PLASTIC: &str = "a diffuse part and a lobe, taken as it reflects at normal incidence";
-const PLASTICS: &[Entry] = &[
-    DIFFUSE,
-    SPECULAR,
-    INT_IOR,
-    EXT_IOR,
-    NONLINEAR,
-    DISTRIBUTION,
-    ALPHA,
-    ALPHA_U,
-    ALPHA_V,
-    VISIBLE,
-];
+const PLASTIC: &str =
+    "a dielectric over a base; Beckmann's microfacets are taken as GGX, with a warning";
+const PLASTICS: &[Entry] =
+    &[DIFFUSE, SHINE, INT_IOR, EXT_IOR, NONLINEAR, DISTRIBUTION, ALPHA, ALPHA_U, ALPHA_V, VISIBLE];
 
 const PLUGINS: &[Plugin] = &[
     plugin(
@@ -269,19 +243,19 @@ const PLUGINS: &[Plugin] = &[
         ),
         &[INNER],
     ),
+    bsdf(read("conductor", "a perfect mirror, or a metal"), &[SPECULAR, MATERIAL, ETA, K, EXT_ETA]),
     bsdf(
-        read("conductor", "a perfect mirror, unless it has a metal"),
-        &[SPECULAR, MATERIAL, ETA, K],
+        read(
+            "roughconductor",
+            "the same with GGX; Beckmann's microfacets are taken as GGX, with a warning",
+        ),
+        &[DISTRIBUTION, ALPHA, ALPHA_U, ALPHA_V, SPECULAR, MATERIAL, ETA, K, EXT_ETA, VISIBLE],
     ),
-    bsdf(
-        read("roughconductor", "GGX, if all rough BSDFs have it; else Ward's"),
-        &[DISTRIBUTION, ALPHA, ALPHA_U, ALPHA_V, SPECULAR, MATERIAL, ETA, K, VISIBLE],
-    ),
-    bsdf(told("plastic", PLASTIC), &[DIFFUSE, SPECULAR, INT_IOR, EXT_IOR, NONLINEAR]),
+    bsdf(read("plastic", PLASTIC), &[DIFFUSE, SHINE, INT_IOR, EXT_IOR, NONLINEAR]),
     bsdf(told("roughplastic", PLASTIC), PLASTICS),
     bsdf(told("pplastic", PLASTIC), PLASTICS),
     bsdf(
-        told("principled", "a diffuse part and a lobe of GGX, as it reflects at normal incidence"),
+        told("principled", "a metal, or a plastic over a Lambertian base"),
         &[
             read("base_color", "a colour, a spectrum or a texture"),
             read("metallic", ROUGHNESS),
@@ -295,7 +269,7 @@ const PLUGINS: &[Plugin] = &[
             told("spec_tint", LEFT_OUT),
             passed("sheen_tint", "the warning of sheen covers it"),
             passed("clearcoat_gloss", "the warning of clearcoat covers it"),
-            refused("spec_trans", "above zero it lets light through; make it opaque"),
+            told("spec_trans", "above zero it lets light through: its shapes are left out"),
         ],
     ),
     bsdf(
@@ -340,17 +314,44 @@ const PLUGINS: &[Plugin] = &[
         ],
     ),
     bsdf(read("null", "the surface is not there; as a lamp it is black"), &[]),
-    bsdf(refused("dielectric", TRANSPARENT), &[]),
-    bsdf(refused("roughdielectric", TRANSPARENT), &[]),
-    bsdf(refused("thindielectric", TRANSPARENT), &[]),
-    bsdf(refused("principledthin", TRANSPARENT), &[]),
+    bsdf(told("dielectric", CLEAR), &[]),
+    bsdf(told("roughdielectric", CLEAR), &[]),
+    bsdf(told("thindielectric", CLEAR), &[]),
+    bsdf(told("principledthin", CLEAR), &[]),
+    bsdf(
+        told(
+            "phong",
+            "of Mitsuba 0.5; a diffuse part and a lobe that is as high and as wide at normal incidence",
+        ),
+        &[
+            read("exponent", "30 by default; the mean of a texture, with a warning"),
+            DIFFUSE,
+            SPECULAR,
+        ],
+    ),
+    bsdf(read("coating", COAT), &[INNER, INT_IOR, EXT_IOR, SHINE]),
+    bsdf(
+        read("roughcoating", COAT),
+        &[INNER, INT_IOR, EXT_IOR, SHINE, ALPHA, DISTRIBUTION, VISIBLE],
+    ),
+    bsdf(
+        told("roughdiffuse", "of Mitsuba 0.5; diffuse, of the same albedo"),
+        &[
+            read("reflectance", "a colour, a spectrum or a texture"),
+            read("alpha", ROUGHNESS),
+            read("use_fast_approx", "which of Oren and Nayar's models the albedo is of"),
+        ],
+    ),
     bsdf(refused("others", "put a diffuse, conductor, plastic or principled in their place"), &[]),
     texture(
         read("bitmap", "a picture; see pictures"),
         &[
             FILE,
             read("raw", "its values as they are, not by their profile"),
-            near("filter_type", "bilinear; nearest: enlarged, so that little is interpolated"),
+            near(
+                "filter_type",
+                "bilinear; trilinear and ewa too; nearest: enlarged, so that little is interpolated",
+            ),
             read("wrap_mode", "repeat, mirror or clamp"),
             TO_UV,
             passed("format", "how it is kept"),
@@ -399,91 +400,4 @@ const PLUGINS: &[Plugin] = &[
         &[read("wavelengths", "in nm, growing"), read("values", "one for each"), WHOLE],
     ),
     texture(refused("others", "put a colour or a bitmap in their place"), &[]),
-    emitter(
-        read("area", "the shape that it stands in shines"),
-        &[read("radiance", "a colour or a spectrum; the mean of a texture, with a warning")],
-    ),
-    emitter(
-        read("point", "a point light"),
-        &[
-            read("position", "where it is"),
-            read("to_world", "where it is, if there is no position"),
-            read("intensity", "a colour or a spectrum"),
-        ],
-    ),
-    emitter(
-        told(
-            "spot",
-            "the nearest cone of ours that sends the same light in all; exact only where beam_width is not below \
-             cutoff_angle",
-        ),
-        &[
-            read("to_world", "where it is and where it points"),
-            read("intensity", "a colour or a spectrum"),
-            read("cutoff_angle", "where its light ends; 20 degrees by default"),
-            read(
-                "beam_width",
-                "where it begins to fade; three quarters of cutoff_angle by default",
-            ),
-            read("texture", "a colour; the mean of a picture, with a warning"),
-        ],
-    ),
-    emitter(
-        read("directional", "light from far away"),
-        &[
-            read("direction", "where it points"),
-            read("to_world", "along its z, if there is no direction"),
-            read("irradiance", "a colour or a spectrum"),
-        ],
-    ),
-    emitter(
-        read("constant", "the environment, the same everywhere"),
-        &[read("radiance", "a colour or a spectrum")],
-    ),
-    emitter(
-        read(
-            "envmap",
-            "the environment; a warning for pictures of 8 or 16 bits, which lack bright light",
-        ),
-        &[
-            FILE,
-            read("scale", "a factor"),
-            read("to_world", "how it is turned"),
-            passed("mis_compensation", "how it is sampled"),
-        ],
-    ),
-    emitter(
-        refused(
-            "others",
-            "put an area, point, spot, directional, constant or envmap in their place",
-        ),
-        &[],
-    ),
-    sensor(read("perspective", "a camera"), &[]),
-    sensor(
-        read("thinlens", "a camera without depth of field"),
-        &[told("aperture_radius", "above zero it is left out: everything is sharp")],
-    ),
-    plugin(("sensor", "others"), told("others", "they are not pinholes and are left out"), &[]),
-    plugin(
-        ("film", "*"),
-        read("film", "of all types"),
-        &[
-            read("width", "768 by default"),
-            read("height", "576 by default"),
-            read("crop_width", "the part of it that is rendered"),
-            read("crop_height", "the part of it that is rendered"),
-            read("crop_offset_x", "where that part begins"),
-            read("crop_offset_y", "where that part begins"),
-            passed("<rfilter>", "how pixels are filtered"),
-            passed("pixel_format", "how the picture is written"),
-            passed("component_format", "how the picture is written"),
-            passed("file_format", "how the picture is written"),
-            passed("compression", "how the picture is written"),
-            passed("banner", "how the picture is written"),
-            passed("compensate", "how the picture is summed"),
-            passed("sample_border", "how pixels are filtered"),
-            passed("high_quality_edges", "how pixels are filtered"),
-        ],
-    ),
 ];

@@ -74,6 +74,7 @@ pub(super) fn read(context: &Context, node: Node) -> Result<Option<Camera>, Stri
         world_from_camera: Affine3A::from_mat3_translation(axes, eye),
         fov_y_rad: 2.0 * (half_height * crop_size[1] / size[1]).atan(),
         aspect: Some(crop_size[0] / crop_size[1]),
+        size: Some(crop_size.map(|side| side.round() as u32)),
         lens: Lens { principal_point: off.map(|pixels| pixels / crop_size[1]), ..Lens::default() },
     }))
 }

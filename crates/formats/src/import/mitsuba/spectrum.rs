@@ -15,8 +15,10 @@ pub(super) enum Use {
     Reflectance,
     /// Light.
     Emission,
-    /// A number of any size, as an index of refraction.
+    /// A number of zero or more, as a roughness.
     Index,
+    /// An index of refraction or a coefficient of extinction; as linear sRGB it may lie below zero.
+    Refraction,
 }
 
 /// A constant, or values at wavelengths, linear in between and zero outside.

@@ -69,6 +69,8 @@ pub(super) struct Plugin {
     /// The contents of our comment in front of it.
     pub(super) note: Note,
     pub(super) place: Place,
+    /// Whether its file has the names and the defaults of Mitsuba 0.5 and 0.6.
+    pub(super) is_old: bool,
     pub(super) properties: Vec<Property>,
     /// Whether the reader asked it for anything.
     pub(super) seen: Cell<bool>,
@@ -159,6 +161,73 @@ impl<'t> Node<'t> {
 
     pub(super) fn note(self) -> &'t Note {
         &self.plugin().note
+    }
+
+    /// Whether its file is of Mitsuba 0.5 or 0.6.
+    pub(super) fn is_old(self) -> bool {
+        self.plugin().is_old
+    }
+
+    /// `rectangle at line 12`, with the file if that is not the one that the user names.
+    pub(super) fn at_line(self) -> String {
+        let Plugin { kind, place, .. } = self.plugin();
+        match self.tree.files.get(place.file).map(|file| file.name.as_str()) {
+            None | Some("") => format!("{kind} at line {}", place.line),
+            Some(name) => format!("{kind} at line {} of {name}", place.line),
+        }
+    }
+
+    /// The name of a shape: its own, its file's, or its line's.
+    pub(super) fn shape_name(self) -> String {
+        let own = || Some(self.id().to_owned()).filter(|id| !id.is_empty());
+        // What our export notes is exact, even if it is no name.
+        self.note()
+            .name
+            .clone()
+            .or_else(own)
+            .or_else(|| self.mesh_name())
+            .unwrap_or_else(|| self.at_line())
+    }
+
+    /// The name of the file of a shape, without its folders.
+    fn mesh_name(self) -> Option<String> {
+        let text = |name: &str| self.plugin().properties.iter().find(|p| p.name == name);
+        let Some(Value::Text(path)) = text("filename").map(|p| &p.value) else { return None };
+        let name = path.rsplit(['/', '\\']).next().filter(|name| !name.is_empty())?;
+        Some(match text("shape_index").map(|p| &p.value) {
+            Some(Value::Number(index)) => format!("{name}, shape {index}"),
+            _ => name.to_owned(),
+        })
+    }
+
+    /// Whether it has a name of its own.
+    pub(super) fn is_named(self) -> bool {
+        !self.id().is_empty() || self.note().name.as_ref().is_some_and(|name| !name.is_empty())
+    }
+
+    fn is_at_root(self) -> bool {
+        self.other(0).inside().any(|index| index == self.index)
+    }
+
+    /// The name of a BSDF: its own, that of the only one in it, that of the `shape` that has it, or its line's.
+    pub(super) fn material_name(self, shape: Option<Self>) -> String {
+        let mut node = self;
+        loop {
+            if let Some(name) = node.note().name.as_ref().filter(|name| !name.is_empty()) {
+                return name.clone();
+            }
+            if !node.id().is_empty() {
+                return node.id().to_owned();
+            }
+            let inside = node.inside().map(|index| node.other(index));
+            let mut inside = inside.filter(|inner| inner.tag() == "bsdf");
+            match (inside.next(), inside.next()) {
+                // What stands at the root is a group of its own.
+                (Some(inner), None) if !inner.is_at_root() => node = inner,
+                _ => break,
+            }
+        }
+        shape.map_or_else(|| self.at_line(), Self::shape_name)
     }
 
     /// `problem` with the line at which the plugin begins.
@@ -302,24 +371,29 @@ impl<'t> Node<'t> {
         self.tree.node(index)
     }
 
-    /// The path of the file that the property `name` names.
-    pub(super) fn file(self, scope: &Scope, name: &str) -> Result<PathBuf, String> {
+    /// The path of the file that the property `name` names; none if it is missing, which the scope notes.
+    pub(super) fn file(self, scope: &Scope, name: &str) -> Result<Option<PathBuf>, String> {
         let file = self.text(name)?;
         let file = file.ok_or_else(|| self.fail(format!("this {} has no {name}", self.tag())))?;
         // The folders of the first file count for all plugins; Mitsuba searches no others.
         let places = [0, self.plugin().place.file].map(|index| &self.tree.files[index].folders);
-        find(scope, places.into_iter().flatten(), file)
-            .map_err(|problem| self.fail(format!("\"{file}\" {problem}")))
+        let folder = folder_of(places.into_iter().flatten(), file);
+        scope.find(&folder, file).map_err(|problem| self.fail(format!("\"{file}\" {problem}")))
     }
 }
 
 /// The file `name` in the first of `folders` that has it.
 pub(super) fn find<'a>(
     scope: &Scope,
-    mut folders: impl Iterator<Item = &'a PathBuf> + Clone,
+    folders: impl Iterator<Item = &'a PathBuf> + Clone,
     name: &str,
 ) -> Result<PathBuf, String> {
-    let first = folders.clone().next().cloned().unwrap_or_default();
+    scope.beside(&folder_of(folders, name), name)
+}
+
+/// The first of `folders` that has the file `name`; if none has it, the first one.
+fn folder_of<'a>(mut folders: impl Iterator<Item = &'a PathBuf> + Clone, name: &str) -> PathBuf {
+    let first = folders.clone().next();
     let there = folders.find(|folder| folder.join(name).exists());
-    scope.beside(there.unwrap_or(&first), name)
+    there.or(first).cloned().unwrap_or_default()
 }

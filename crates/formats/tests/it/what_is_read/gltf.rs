@@ -40,6 +40,8 @@ fn place(element: &str) -> &'static str {
         "spot" => "/extensions/KHR_lights_punctual/lights/0/spot",
         "KHR_materials_specular" => "/materials/0/extensions/KHR_materials_specular",
         "KHR_materials_anisotropy" => "/materials/0/extensions/KHR_materials_anisotropy",
+        "KHR_materials_clearcoat" => "/materials/0/extensions/KHR_materials_clearcoat",
+        "KHR_materials_transmission" => "/materials/0/extensions/KHR_materials_transmission",
         other => panic!("no place of {other}"),
     }
 }

@@ -46,7 +46,8 @@ fn property(within: &str, name: &str) -> String {
         }
         "flip_normals" | "face_normals" | "flip_tex_coords" | "raw" | "nonlinear"
         | "sample_visible" | "unbounded" | "mis_compensation" | "compensate" | "sample_border"
-        | "banner" | "high_quality_edges" | "accel" => element("boolean", "true"),
+        | "banner" | "high_quality_edges" | "accel" | "attach_log" | "complex_sun" | "extend"
+        | "use_fast_approx" => element("boolean", "true"),
         "filename" => {
             let file = match within {
                 "bitmap" => "p.png",
@@ -62,7 +63,7 @@ fn property(within: &str, name: &str) -> String {
         "distribution" => element("string", "ggx"),
         "variant" => element("string", "ward"),
         "material" => element("string", "Au"),
-        "int_ior" | "ext_ior" => element("string", "water"),
+        "int_ior" | "ext_ior" | "ext_eta" => element("string", "water"),
         "focal_length" => element("string", "35mm"),
         "fov_axis" => element("string", "y") + "<float name=\"fov\" value=\"40\"/>",
         "values" => element("string", "0.5 0.5"),
@@ -76,6 +77,7 @@ fn property(within: &str, name: &str) -> String {
         | "diffuse_reflectance"
         | "specular_reflectance"
         | "base_color"
+        | "albedo"
         | "color"
         | "color0"
         | "color1"
@@ -99,8 +101,25 @@ fn property(within: &str, name: &str) -> String {
             element("integer", "10") + "<integer name=\"crop_height\" value=\"100\"/>"
         }
         "fov" | "cutoff_angle" | "beam_width" => element("float", "15"),
-        _ => element("float", "0.5"),
+        _ => {
+            of_sky(name).map_or_else(|| element("float", "0.5"), |(tag, value)| element(tag, value))
+        }
     }
+}
+
+/// The element and the value of the property `name` of a sky, if a half is no value of it.
+fn of_sky(name: &str) -> Option<(&'static str, &'static str)> {
+    Some(match name {
+        "sun_direction" => ("vector", "1 0 2"),
+        "turbidity" => ("float", "4"),
+        "stretch" => ("float", "1.5"),
+        "hour" => ("float", "11"),
+        "timezone" => ("float", "8"),
+        "year" => ("integer", "2012"),
+        "month" | "day" => ("integer", "8"),
+        "resolution" => ("integer", "64"),
+        _ => return None,
+    })
 }
 
 /// The properties that a plugin of the type `kind` must have.
@@ -108,7 +127,8 @@ fn needed(kind: &str) -> &'static [&'static str] {
     match kind {
         "ply" | "obj" | "serialized" | "bitmap" | "envmap" => &["filename"],
         "instance" => &["<shape>"],
-        "twosided" | "mask" | "bumpmap" | "normalmap" | "blendbsdf" => &["<bsdf>"],
+        "twosided" | "mask" | "bumpmap" | "normalmap" | "blendbsdf" | "coating"
+        | "roughcoating" => &["<bsdf>"],
         "roughconductor" => &["distribution"],
         "blackbody" => &["temperature"],
         "regular" => &["values"],
@@ -170,6 +190,7 @@ fn every_plugin_and_every_property_is_taken_as_its_row_says() {
             let kind = match within {
                 "shapes" => "cube",
                 "emitters" => "constant",
+                "sunsky, sky and sun" => "sunsky",
                 "sensors" => "perspective",
                 kind => kind,
             };
@@ -209,6 +230,7 @@ fn every_element_is_taken_as_its_row_says() {
                 "<sensor type=\"perspective\"><string name=\"focal_length\" value=\"35mm\"/></sensor>"
                     .into()
             }
+            "srgb" => light("<srgb name=\"radiance\" value=\"#102030\"/>"),
             "rgb" => light("<rgb name=\"radiance\" value=\"1 2 3\"/>"),
             "spectrum" => light("<spectrum name=\"radiance\" value=\"400:1 700:2\"/>"),
             "point" => shape("<point name=\"center\" x=\"1\" y=\"2\" z=\"3\"/>"),

@@ -121,7 +121,11 @@ fn words(args: &render::Args, global: &Global) -> Result<Vec<Word>, Error> {
     let values =
         values.into_iter().filter_map(|(flag, value)| Some(format!("--{flag}={}", value?)));
     words.extend(values.map(Word::Plain));
-    let switches = [("independent", sampling.independent), ("allow-outside", global.allow_outside)];
+    let switches = [
+        ("independent", sampling.independent),
+        ("allow-outside", global.allow_outside),
+        ("allow-missing", global.allow_missing),
+    ];
     let switches = switches.into_iter().filter(|(_, is_on)| *is_on);
     words.extend(switches.map(|(flag, _)| Word::Plain(format!("--{flag}"))));
     Ok(words)

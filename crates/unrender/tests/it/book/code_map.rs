@@ -7,7 +7,7 @@ const PAGE: &str = "docs/code-map.md";
 const MARKS: (&str, &str) = ("<!-- the code map -->", "<!-- end of the code map -->");
 
 /// The folders of code, each with its own table, and the endings of their files.
-const FOLDERS: [(&str, &[&str]); 15] = [
+const FOLDERS: [(&str, &[&str]); 16] = [
     ("crates/scene/src", &[".rs"]),
     ("crates/formats/src", &[".rs"]),
     ("crates/photo/src", &[".rs"]),
@@ -23,6 +23,7 @@ const FOLDERS: [(&str, &[&str]); 15] = [
     ("fuzz/src", &[".rs"]),
     ("benches/src", &[".rs", ".py"]),
     ("benches/peers", &[".py"]),
+    ("benches/rooms", &[".py"]),
 ];
 
 /// The description at the head of a file: the module comment, or the first docstring.

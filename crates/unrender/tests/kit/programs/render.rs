@@ -58,7 +58,7 @@ impl Program {
 
     /// Mitsuba 3, from `mitsuba` of PyPI.
     pub(crate) fn mitsuba() -> Result<Self, String> {
-        python("mitsuba", &["mitsuba==3.9.1"]).map(Self::Mitsuba)
+        python("mitsuba", &["mitsuba==3.9.1", "numpy==1.26.4"]).map(Self::Mitsuba)
     }
 
     /// Blender, from `bpy` of PyPI: 350 MB.

@@ -1,0 +1,80 @@
+//! The isotropic rung as a plastic: a dielectric's lobe over a diffuse base. Beside its base it has one number, the
+//! roughness, since Fresnel's equations fix how strong its lobe is.
+//!
+//! With the roughness given, the base follows by least squares from `B - S = rho_d D`: `S` is the dielectric's lobe in the
+//! light that arrives, `D` that of a white base under it.
+
+use super::roughness::{GLOBAL, LIKELY, STEPS, downhill_by, preferred};
+use super::{Fit, Hypothesis, Search, judged};
+use crate::criterion::{Explained, difference, independent_blocks};
+use crate::evidence::Evidence;
+use crate::fit::linear::{self, Terms};
+use crate::fit::simplex;
+use rayon::prelude::*;
+use unrender_scene::reflectance::IOR;
+use unrender_scene::{Material, Rgb};
+
+/// The plastic that explains the evidence best; none if the user's bounds exclude a reflectance of 4 %.
+pub(super) fn fit(evidence: &Evidence, start: &Material, search: Search) -> Option<Fit> {
+    let bounds = &evidence.expected.bounds;
+    let f0 = of_alpha(evidence, 0.1).rho_s;
+    let [low, high] = bounds.rho_s;
+    if !(low.cmple(f0).all() && f0.cmple(high).all()) {
+        return None;
+    }
+    let round = |alpha: f32| bounds.nearest_round(alpha);
+    let known = (start.alpha_x * start.alpha_y).sqrt();
+    let alpha = match search {
+        Search::Kept if start.is_glossy() => round(known),
+        Search::Local if start.is_glossy() => {
+            let by_log = |p: &[f64]| round(p[0].exp() as f32);
+            let fitted = |p: &[f64]| at(evidence, by_log(p));
+            let first = [f64::from(known).ln()];
+            by_log(&downhill_by(evidence, &fitted, (&first, &[0.1]), STEPS[1]))
+        }
+        _ => round(anywhere(&evidence.thinned())),
+    };
+    Some(at(evidence, alpha))
+}
+
+/// Whether a lobe of free reflectance, which has three numbers more, is certainly the better one.
+pub(super) fn is_beaten(plastic: &Fit, free: &Fit, evidence: &Evidence) -> bool {
+    let best = if free.likelihood.deviance < plastic.likelihood.deviance { free } else { plastic };
+    let independent = independent_blocks(explained(best), evidence);
+    let gain = difference([explained(plastic), explained(free)], evidence, independent);
+    gain.least() > 3.0 * independent.max(1.0).ln()
+}
+
+fn explained(fit: &Fit) -> Explained<'_> {
+    Explained { residuals: &fit.residuals, likelihood: &fit.likelihood }
+}
+
+/// The most likely roughness.
+fn anywhere(evidence: &Evidence) -> f32 {
+    let bounds = &evidence.expected.bounds;
+    let deviance = |alpha: f32| at(evidence, bounds.nearest_round(alpha)).likelihood.deviance;
+    let by_log = |p: &[f64]| deviance(p[0].exp() as f32);
+    let downhill = |from: f32| {
+        let from = f64::from(from).ln();
+        let (best, cost) = simplex::minimise(by_log, &[from], &[0.2], LIKELY, STEPS[0]);
+        (cost, bounds.nearest_round(best[0].exp() as f32))
+    };
+    let costs: Vec<_> = GLOBAL.into_par_iter().map(|alpha| (deviance(alpha), alpha)).collect();
+    let best = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.1, |best| best.1);
+    preferred(downhill(best), evidence.expected.start.alpha_x.map(downhill))
+}
+
+/// The plastic of the roughness `alpha` over a black base.
+fn of_alpha(evidence: &Evidence, alpha: f32) -> Material {
+    Material::plastic(Rgb::ZERO, IOR, evidence.model.layering(), alpha)
+}
+
+/// The fit with the roughness given.
+fn at(evidence: &Evidence, alpha: f32) -> Fit {
+    let black = of_alpha(evidence, alpha);
+    let (diffuse, specular) = (evidence.base(&black), evidence.specular(&black));
+    let terms = Terms::Beside(black.rho_s.x);
+    let rho_d = linear::fit(evidence, &diffuse, Some(&specular), terms).rho_d;
+    let material = Material { rho_d, ..black };
+    judged(Hypothesis::Isotropic, evidence, material, &diffuse, Some(&specular))
+}

@@ -1,0 +1,48 @@
+//! Searches over the roughness of a lobe: from everywhere, and downhill from where one is known.
+
+use super::Fit;
+use crate::evidence::Evidence;
+use crate::fit::simplex;
+use crate::likelihood::Likelihood;
+
+/// The steps of the global search: each about 1.6 times the one before.
+pub(super) const GLOBAL: [f32; 10] = [0.01, 0.016, 0.025, 0.04, 0.065, 0.1, 0.16, 0.25, 0.4, 0.65];
+
+/// Steps of a global and of a local search.
+pub(super) const STEPS: [u64; 2] = [30, 15];
+
+/// The usual minimum takes the place of the one that the user's start leads to if its deviance is lower by
+/// this, which is strong evidence [Kass and Raftery 1995]. At half of it noise overrules the user, at double a
+/// start that is wrong stays.
+const STRONGER: f64 = 6.0;
+
+/// The minimum that the user's start leads to, unless the `usual` one is strongly more likely; both with
+/// their deviances.
+pub(super) fn preferred<T>(usual: (f64, T), started: Option<(f64, T)>) -> T {
+    match started {
+        Some(started) if started.0 <= usual.0 + STRONGER => started.1,
+        _ => usual.1,
+    }
+}
+
+/// Global searches stop when the deviances at the corners of the simplex differ by less than this: a
+/// tenth of what counts as evidence.
+pub(super) const LIKELY: f64 = 0.5;
+
+/// The numbers downhill from `first`, whose fits are `fitted`, under the model error that the first one leaves.
+pub(super) fn downhill_by(
+    evidence: &Evidence,
+    fitted: &dyn Fn(&[f64]) -> Fit,
+    (first, size): (&[f64], &[f64]),
+    steps: u64,
+) -> Vec<f64> {
+    let Likelihood { light, error, .. } = fitted(first).likelihood;
+    let cost = |p: &[f64]| {
+        Likelihood::given(&fitted(p).residuals, &evidence.field, (light, error)).deviance
+    };
+    simplex::minimise(cost, first, size, SETTLED, steps).0
+}
+
+/// Local searches stop when the deviances at the corners of the simplex differ by less than this: a
+/// hundredth of what one standard deviation of a number costs.
+const SETTLED: f64 = 0.01;
