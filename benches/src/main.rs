@@ -7,8 +7,8 @@
 //! one is not available, its rows state it. To add a claim, write a module with a `measure` beside
 //! [`traversal`] and name it in [`Claim`].
 //!
-//! Six requests are not about speed: [`real`] and [`corpus`] recover from photographs that the program did not
-//! make, [`one_unknown`] is a fast experiment on one group at a time, [`noise`] measures the noise of our
+//! Seven requests are not about speed: [`real`], [`corpus`] and [`rooms`] recover from photographs that the program
+//! did not make, [`one_unknown`] is a fast experiment on one group at a time, [`noise`] measures the noise of our
 //! light, before and after a change of the renderer, [`stored_paths`] the cost of stored paths, and [`halves`]
 //! the effect of half and double of a constant.
 
@@ -24,6 +24,7 @@ mod plot;
 mod real;
 mod recovery;
 mod rendering;
+mod rooms;
 mod scaling;
 mod scenes;
 mod statistics;
@@ -70,6 +71,8 @@ enum Other {
     Halves(halves::HalvesRequest),
     /// Measures the noise of our light, scene by scene and group by group.
     Noise(noise::NoiseRequest),
+    /// Recovers rooms that artists made and Mitsuba photographed, and scores the results.
+    Rooms(rooms::RoomsRequest),
     /// Measures stored paths: the cost of recording and replaying them, beside that of tracing
     /// them.
     Stored(stored_paths::StoredRequest),
@@ -135,6 +138,7 @@ fn run(request: &Request) -> Result<(), Failure> {
         Some(Other::OneUnknown(one_unknown)) => return one_unknown::run(one_unknown),
         Some(Other::Halves(halves)) => return halves::run(halves),
         Some(Other::Noise(noise)) => return noise::run(noise),
+        Some(Other::Rooms(rooms)) => return rooms::run(rooms),
         Some(Other::Stored(stored)) => return stored_paths::run(stored),
         None => {}
     }

@@ -13,7 +13,7 @@ pub(crate) mod generate;
 mod make;
 mod page;
 mod photograph;
-mod recover;
+pub(crate) mod recover;
 mod relight;
 mod request;
 mod result;

@@ -15,7 +15,7 @@ use unrender::scene::{BrdfModel, RgbImage, Scene, WardModel};
 /// # Errors
 /// If it cannot be installed.
 pub(crate) fn python() -> Result<PathBuf, String> {
-    super::python("mitsuba", &["mitsuba==3.9.1"])
+    super::python("mitsuba", &["mitsuba==3.9.1", "numpy==1.26.4"])
 }
 
 /// The lobe of glossy groups.
