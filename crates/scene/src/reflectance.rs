@@ -24,6 +24,10 @@ use std::str::FromStr;
 /// none. At half of the difference from one (1.25) they reflect 1.2 % instead of 4 %, at double (2.0) 11 %.
 pub const IOR: f32 = 1.5;
 
+/// The highest refractive index of a dielectric: where the table of [`crate::lobe_albedo`] ends. Diamond has 2.4; what reflects
+/// more than its 25 % at normal incidence is a metal. Half of it would refuse water on glass, double of it serves nothing.
+pub const IOR_MAX: f32 = 3.0;
+
 /// What a material's `rho_s` means.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub enum Reflectance {

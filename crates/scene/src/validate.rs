@@ -1,6 +1,6 @@
 //! Validation of scenes: errors and warnings.
 
-use crate::reflectance::Reflectance;
+use crate::reflectance::{IOR_MAX, Reflectance};
 use crate::{Camera, Environment, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 use glam::Vec3;
 
@@ -252,7 +252,7 @@ fn check_material(group: &Group) -> Result<(), SceneError> {
     let Material { rho_d, rho_s, reflectance, alpha_x, alpha_y, theta_rad, texture } =
         &group.material;
     let is_dense = match reflectance {
-        Reflectance::Dielectric { ior, .. } => ior.is_finite() && *ior >= 1.0,
+        Reflectance::Dielectric { ior, .. } => (1.0..=IOR_MAX).contains(ior),
         Reflectance::Free | Reflectance::Metal { .. } => true,
     };
     let is_roughness = |alpha: &f32| alpha.is_finite() && *alpha >= 0.0;

@@ -11,12 +11,9 @@
 
 use super::document::MaterialExtensions;
 use super::ward;
-use unrender_scene::reflectance::{IOR, f0_of_ior, ior_of_f0};
+use unrender_scene::reflectance::{IOR, IOR_MAX, f0_of_ior, ior_of_f0};
 use unrender_scene::{Layering, Material, Rgb};
 
-/// The highest refractive index that is taken as a dielectric; diamond has 2.4. Beyond, files mean "a metal without a
-/// colour". At half or double of it only such materials change.
-const IOR_MAX: f32 = 3.0;
 /// Metallic up to this is none, and one less this is all: rounding of eight bits. Half of it would make mixtures of materials
 /// whose texture of metallic is noisy, double of it changes colours by 2 %.
 const MIXED: f32 = 0.01;

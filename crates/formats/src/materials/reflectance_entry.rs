@@ -1,7 +1,7 @@
 //! The keys of a material's reflectance: `reflectance`, `ior`, `layering` and `multiscatter`.
 
 use serde::{Deserialize, Serialize};
-use unrender_scene::reflectance::{IOR, f0_of_ior, ior_of_f0};
+use unrender_scene::reflectance::{IOR, IOR_MAX, f0_of_ior, ior_of_f0};
 use unrender_scene::{BrdfModel, Layering, Material, Reflectance, Rgb};
 
 /// How far `rho_s` may lie from the reflectance at normal incidence that `ior` means: rounding to three digits. With half of
@@ -120,15 +120,20 @@ impl ReflectanceEntry {
         let mean = stated.element_sum() / 3.0;
         let is_grey = (stated - Rgb::splat(mean)).abs().max_element() <= ROUNDED;
         let ior = match self.ior {
-            Some(ior) if ior.is_finite() && ior > 1.0 => ior,
-            Some(ior) => return Err(format!("ior is {ior}; a refractive index is above 1")),
+            Some(ior) if ior > 1.0 && ior <= IOR_MAX => ior,
+            Some(ior) => {
+                return Err(format!(
+                    "ior is {ior}; a dielectric's lies above 1 and up to {IOR_MAX}: what reflects more is a metal"
+                ));
+            }
             None if states_rho_s && !is_grey => {
                 return Err("rho_s of a dielectric is grey; give ior in its place".into());
             }
-            None if states_rho_s && mean > 0.0 && mean < 1.0 => ior_of_f0(mean),
+            None if states_rho_s && mean > 0.0 && mean <= f0_of_ior(IOR_MAX) => ior_of_f0(mean),
             None if states_rho_s => {
                 return Err(
-                    "rho_s of a dielectric lies between 0 and 1; give ior in its place".into()
+                    "rho_s of a dielectric lies above 0 and up to 0.25; give ior in its place"
+                        .into(),
                 );
             }
             None => former_ior,

@@ -6,11 +6,9 @@
 //! at every roughness (variable projection [Golub and Pereyra 1973]), one parameter is left, and
 //! `rho_s = 1` is an edge of the box like any other.
 
-use super::roughness::{GLOBAL, LIKELY, STEPS, downhill_by, preferred};
+use super::roughness::{STEPS, anywhere, downhill_by};
 use super::{Fit, Hypothesis, Search, judged, plastic};
 use crate::evidence::Evidence;
-use crate::fit::simplex;
-use rayon::prelude::*;
 use unrender_scene::{Material, Rgb};
 
 /// Roughness and reflectances that explain the evidence best; where the model has plastics, the plastic unless a free
@@ -47,29 +45,14 @@ fn free(evidence: &Evidence, start: &Material, search: Search) -> Fit {
         Search::Local if start.is_glossy() => {
             downhill((evidence, &diffuse), &by_log, (&first, &[0.1]), STEPS[1])
         }
-        _ => round(anywhere(&evidence.thinned())),
+        _ => {
+            let part = evidence.thinned();
+            let diffuse = part.diffuse();
+            let deviance = |alpha: f32| deviance(&part, &diffuse, round(alpha));
+            round(anywhere(&part, &deviance))
+        }
     };
     finish(Hypothesis::Isotropic, evidence, &diffuse, shape)
-}
-
-/// The most likely roughness: the best of [`GLOBAL`], and downhill from there; or from the value that the
-/// user starts from, if that leads to one as likely.
-fn anywhere(evidence: &Evidence) -> f32 {
-    let diffuse = evidence.diffuse();
-    let bounds = &evidence.expected.bounds;
-    let deviance = |alpha: f32| {
-        let alpha = bounds.nearest_round(alpha);
-        deviance(evidence, &diffuse, [alpha, alpha, 0.0])
-    };
-    let by_log = |p: &[f64]| deviance(p[0].exp() as f32);
-    let downhill = |from: f32| {
-        let from = f64::from(from).ln();
-        let (best, cost) = simplex::minimise(by_log, &[from], &[0.2], LIKELY, STEPS[0]);
-        (cost, bounds.nearest_round(best[0].exp() as f32))
-    };
-    let costs: Vec<_> = GLOBAL.into_par_iter().map(|alpha| (deviance(alpha), alpha)).collect();
-    let best = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.1, |best| best.1);
-    preferred(downhill(best), evidence.expected.start.alpha_x.map(downhill))
 }
 
 /// The deviance of a lobe of the shape `[alpha_x, alpha_y, theta]` with the reflectances that fit

@@ -4,13 +4,11 @@
 //! With the roughness given, the base follows by least squares from `B - S = rho_d D`: `S` is the dielectric's lobe in the
 //! light that arrives, `D` that of a white base under it.
 
-use super::roughness::{GLOBAL, LIKELY, STEPS, downhill_by, preferred};
+use super::roughness::{STEPS, anywhere, downhill_by};
 use super::{Fit, Hypothesis, Search, judged};
 use crate::criterion::{Explained, difference, independent_blocks};
 use crate::evidence::Evidence;
 use crate::fit::linear::{self, Terms};
-use crate::fit::simplex;
-use rayon::prelude::*;
 use unrender_scene::reflectance::IOR;
 use unrender_scene::{Material, Rgb};
 
@@ -32,7 +30,11 @@ pub(super) fn fit(evidence: &Evidence, start: &Material, search: Search) -> Opti
             let first = [f64::from(known).ln()];
             by_log(&downhill_by(evidence, &fitted, (&first, &[0.1]), STEPS[1]))
         }
-        _ => round(anywhere(&evidence.thinned())),
+        _ => {
+            let part = evidence.thinned();
+            let deviance = |alpha: f32| at(&part, round(alpha)).likelihood.deviance;
+            round(anywhere(&part, &deviance))
+        }
     };
     Some(at(evidence, alpha))
 }
@@ -47,21 +49,6 @@ pub(super) fn is_beaten(plastic: &Fit, free: &Fit, evidence: &Evidence) -> bool 
 
 fn explained(fit: &Fit) -> Explained<'_> {
     Explained { residuals: &fit.residuals, likelihood: &fit.likelihood }
-}
-
-/// The most likely roughness.
-fn anywhere(evidence: &Evidence) -> f32 {
-    let bounds = &evidence.expected.bounds;
-    let deviance = |alpha: f32| at(evidence, bounds.nearest_round(alpha)).likelihood.deviance;
-    let by_log = |p: &[f64]| deviance(p[0].exp() as f32);
-    let downhill = |from: f32| {
-        let from = f64::from(from).ln();
-        let (best, cost) = simplex::minimise(by_log, &[from], &[0.2], LIKELY, STEPS[0]);
-        (cost, bounds.nearest_round(best[0].exp() as f32))
-    };
-    let costs: Vec<_> = GLOBAL.into_par_iter().map(|alpha| (deviance(alpha), alpha)).collect();
-    let best = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.1, |best| best.1);
-    preferred(downhill(best), evidence.expected.start.alpha_x.map(downhill))
 }
 
 /// The plastic of the roughness `alpha` over a black base.

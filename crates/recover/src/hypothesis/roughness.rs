@@ -4,12 +4,27 @@ use super::Fit;
 use crate::evidence::Evidence;
 use crate::fit::simplex;
 use crate::likelihood::Likelihood;
+use rayon::prelude::*;
 
 /// The steps of the global search: each about 1.6 times the one before.
-pub(super) const GLOBAL: [f32; 10] = [0.01, 0.016, 0.025, 0.04, 0.065, 0.1, 0.16, 0.25, 0.4, 0.65];
+const GLOBAL: [f32; 10] = [0.01, 0.016, 0.025, 0.04, 0.065, 0.1, 0.16, 0.25, 0.4, 0.65];
 
 /// Steps of a global and of a local search.
 pub(super) const STEPS: [u64; 2] = [30, 15];
+
+/// The most likely roughness by its `deviance`: the best of [`GLOBAL`], and downhill from there; or from the value that
+/// the user starts from, if that leads to one as likely.
+pub(super) fn anywhere(evidence: &Evidence, deviance: &(dyn Fn(f32) -> f64 + Sync)) -> f32 {
+    let by_log = |p: &[f64]| deviance(p[0].exp() as f32);
+    let downhill = |from: f32| {
+        let from = f64::from(from).ln();
+        let (best, cost) = simplex::minimise(by_log, &[from], &[0.2], LIKELY, STEPS[0]);
+        (cost, evidence.expected.bounds.nearest_round(best[0].exp() as f32))
+    };
+    let costs: Vec<_> = GLOBAL.into_par_iter().map(|alpha| (deviance(alpha), alpha)).collect();
+    let best = costs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.1, |best| best.1);
+    preferred(downhill(best), evidence.expected.start.alpha_x.map(downhill))
+}
 
 /// The usual minimum takes the place of the one that the user's start leads to if its deviance is lower by
 /// this, which is strong evidence [Kass and Raftery 1995]. At half of it noise overrules the user, at double a

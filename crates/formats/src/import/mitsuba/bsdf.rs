@@ -18,7 +18,7 @@ use crate::input::Scope;
 use glam::Affine2;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use unrender_scene::reflectance::ior_of_f0;
+use unrender_scene::reflectance::{IOR_MAX, f0_of_ior, ior_of_f0};
 use unrender_scene::{BrdfModel, Layering, LobeAlbedo, Material, Rgb, Texture, WardModel};
 
 /// The doubt about the lobes of other microfacets.
@@ -342,7 +342,7 @@ fn principled(context: &Context, node: Node) -> Result<Reflectance, String> {
     let alpha = roughness * roughness;
     let lobe = match metallic {
         1.0 => Material::metal(mean, false, alpha),
-        0.0 if f0 > 0.0 && f0 < 1.0 => {
+        0.0 if f0 > 0.0 && f0 <= f0_of_ior(IOR_MAX) => {
             Material::plastic(Rgb::ZERO, ior_of_f0(f0), Layering::AlbedoScaled, alpha)
         }
         _ => Material::isotropic(

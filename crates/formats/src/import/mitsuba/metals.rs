@@ -4,6 +4,7 @@ use super::paint::{Context, color};
 use super::spectrum::Use;
 use super::tree::{Node, Value};
 use unrender_scene::Rgb;
+use unrender_scene::reflectance::IOR_MAX;
 
 /// What Mitsuba's conductors reflect at normal incidence, linear sRGB: Fresnel's equations with the index
 /// of refraction and the coefficient of extinction, each as linear sRGB, as in Mitsuba's rgb modes.
@@ -105,7 +106,13 @@ pub(super) fn conductor(context: &Context, node: Node) -> Result<Rgb, String> {
 /// The index of refraction of the inside, relative to that of the outside.
 pub(super) fn relative_index(node: Node, inside: f32) -> Result<f32, String> {
     let inside = index(node, "int_ior", inside)?;
-    Ok(inside / index(node, "ext_ior", 1.000_277)?)
+    let relative = inside / index(node, "ext_ior", 1.000_277)?;
+    if relative <= IOR_MAX {
+        return Ok(relative);
+    }
+    Err(node.fail(format!(
+        "its refractive index is {relative} times that outside; up to {IOR_MAX} is read, what reflects more is a conductor"
+    )))
 }
 
 fn index(node: Node, name: &str, default: f32) -> Result<f32, String> {
