@@ -352,7 +352,7 @@ impl<'a> Transport<'a> {
             } else {
                 bsdf
             };
-            let wo_local = frame.local_from_world(wo);
+            let wo_local = frame.local_from_viewer(wo);
             let at = Vertex { surface: &surface, bsdf: &bsdf, frame: &frame, wo: wo_local };
             observer.record_vertex(&at);
 

@@ -284,7 +284,7 @@ impl<'a> Gatherer<'a> {
         let ray = camera_ray(camera, size, pixel, &mut self.sampler(pixel, CAMERA, index));
         let Some(first) = self.first_surface(ray) else { return };
         let FirstSurface { surface, wo, throughput, bounces } = first;
-        let wo_local = surface.frame.local_from_world(wo);
+        let wo_local = surface.frame.local_from_viewer(wo);
         let first = out.incident.len();
         let images = self.transport.images(&surface);
         let mut gathering =
@@ -326,7 +326,7 @@ impl<'a> Gatherer<'a> {
             if !(self.settings.through_mirrors && material.is_pure_mirror()) {
                 return Some(FirstSurface { surface, wo, throughput, bounces: bounces as u32 });
             }
-            let local = surface.frame.local_from_world(wo);
+            let local = surface.frame.local_from_viewer(wo);
             let wi = surface.frame.world_from_local(mirror::reflect(local));
             if !surface.is_above(wi) {
                 return None;

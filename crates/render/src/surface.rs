@@ -31,6 +31,10 @@ impl Surface {
     }
 }
 
+/// The cosine at which a surface is seen whose shading normal faces away: a degree above the surface, where lobes are
+/// still finite. Half and double change a diffuse surface by nothing, and a lobe as half a degree of grazing does.
+const GRAZING: f32 = 0.02;
+
 /// The tangent frame at a surface: z the shading normal on the viewer's side, x the surface's
 /// tangent, y such that angles from x to y are counter-clockwise *seen from the front*.
 #[derive(Clone, Copy, Debug)]
@@ -64,6 +68,19 @@ impl Frame {
     #[inline]
     pub fn local_from_world(&self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.tangent), v.dot(self.bitangent), v.dot(self.normal))
+    }
+
+    /// The direction towards the viewer in this frame, on the front of the shading normal. Where a surface is shaded
+    /// smooth over an edge, the shading normal may face away from who sees it. The direction is then raised to
+    /// [`GRAZING`]: what is seen is not black, and a diffuse surface is as bright as from any other side.
+    #[inline]
+    pub(crate) fn local_from_viewer(&self, wo: Vec3) -> Vec3 {
+        let local = self.local_from_world(wo);
+        if local.z > 0.0 {
+            return local;
+        }
+        let along = local.truncate().normalize_or(Vec2::X) * (1.0 - GRAZING * GRAZING).sqrt();
+        along.extend(GRAZING)
     }
 
     /// A direction in this frame as one in world space.

@@ -315,6 +315,10 @@ fn what_cannot_be_read_is_refused_by_name_and_line() {
         ("<emitter type=\"constant\"/><emitter type=\"constant\"/>", "two environments"),
         ("<shape type=\"cube\" ident=\"x\"/>", "an attribute ident"),
         ("<shape/>", "<shape> has no type"),
+        (
+            "<shape type=\"sphere\"><float name=\"radius\" value=\"1\"/><float name=\"radius\" value=\"2\"/></shape>",
+            "\"radius\" is given twice, with two values",
+        ),
     ];
     for (inside, said) in cases {
         let folder = Folder::new();
@@ -334,7 +338,7 @@ fn what_cannot_be_read_is_refused_by_name_and_line() {
 fn lamps_without_a_reflectance_are_black_and_nothing_is_left_out() {
     let inside = "<shape type=\"rectangle\" id=\"lamp\"><emitter type=\"area\"><rgb name=\"radiance\" value=\"5\"/></emitter></shape>
         <shape type=\"rectangle\" id=\"more\"><emitter type=\"area\"><rgb name=\"radiance\" value=\"5\"/></emitter></shape>
-        <shape type=\"rectangle\" id=\"wall\"/>
+        <shape type=\"rectangle\" id=\"wall\"><boolean name=\"flip_normals\" value=\"false\"/><boolean name=\"flip_normals\" value=\"false\"/></shape>
         <shape type=\"sphere\" id=\"fog\"><bsdf type=\"null\"/></shape>
         <shape type=\"sphere\" id=\"gone\"><bsdf type=\"mask\"><float name=\"opacity\" value=\"0\"/><bsdf type=\"diffuse\"/></bsdf></shape>
         <shape type=\"sphere\" id=\"kept\"><bsdf type=\"mask\"><float name=\"opacity\" value=\"1\"/><bsdf type=\"diffuse\"/></bsdf></shape>";

@@ -131,13 +131,10 @@ impl Receivers4 {
         let inverse = distance.recip();
         let wi = to_point.map(|coordinate| coordinate * inverse);
         let cosine = dot(wi, self.shading_normal);
-        let [geometric_normal, shading_normal] =
-            vertex.normals().map(|normal| normal.to_array().map(Vec4::splat));
-        let cosine_there = -dot(wi, geometric_normal);
+        let cosine_there = -dot(wi, vertex.geometric_normal().to_array().map(Vec4::splat));
         let facing = cosine.cmpgt(Vec4::ZERO)
             & dot(wi, self.geometric_normal).cmpgt(Vec4::ZERO)
-            & cosine_there.cmpgt(Vec4::ZERO)
-            & dot(wi, shading_normal).cmplt(Vec4::ZERO);
+            & cosine_there.cmpgt(Vec4::ZERO);
         Segments4 {
             wi: wi.map(|coordinate| coordinate.to_array()),
             distance: distance.to_array(),

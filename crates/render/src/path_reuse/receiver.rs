@@ -75,7 +75,7 @@ impl Receiver {
             pixel,
             origin: accel::offset(surface.point, surface.geometric_normal),
             guide: transport.guide(&local, &surface, 0),
-            wo: frame.local_from_world(-ray.direction),
+            wo: frame.local_from_viewer(-ray.direction),
             surface,
             local,
         })

@@ -64,7 +64,7 @@ impl ReusableVertex {
     ) -> Option<Self> {
         let local = transport.bsdf(&surface);
         let point = accel::offset(surface.point, surface.geometric_normal);
-        if !surface.is_above(wo) || local.bsdf.is_black() {
+        if local.bsdf.is_black() {
             return None;
         }
         let reflection = if local.bsdf.specular == Specular::None {
@@ -81,9 +81,9 @@ impl ReusableVertex {
         Some(Self { surface, point, reflection: reflection? })
     }
 
-    /// The geometric and the shading normal, unit vectors.
-    pub(super) fn normals(&self) -> [Vec3; 2] {
-        [self.surface.geometric_normal, self.surface.frame.normal]
+    /// A unit vector.
+    pub(super) fn geometric_normal(&self) -> Vec3 {
+        self.surface.geometric_normal
     }
 }
 
@@ -111,7 +111,7 @@ impl GlossyReflection {
         }
         let [lobe, u, v, _] = sampler.next4();
         let bsdf = self.local.bsdf.guided_by(&self.guide);
-        let Some(sample) = bsdf.sample(self.local.frame.local_from_world(wo), [lobe, u, v]) else {
+        let Some(sample) = bsdf.sample(self.local.frame.local_from_viewer(wo), [lobe, u, v]) else {
             return;
         };
         let wi = self.local.frame.world_from_local(sample.wi);
@@ -132,7 +132,7 @@ impl GlossyReflection {
 
     /// The direction towards a receiver that connects along `wi` (world space).
     pub(super) fn towards(&self, wi: Vec3) -> Vec3 {
-        self.local.frame.local_from_world(-wi)
+        self.local.frame.local_from_viewer(-wi)
     }
 
     /// The BRDF from `incident` towards `wo` times the cosine of the incident direction, and the

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use unrender_render::GlossyLobe;
 use unrender_render::bsdf::{Bsdf, lobe};
 use unrender_render::guiding::VmfMixture;
-use unrender_scene::{BrdfModel, Material, Rgb, WardModel};
+use unrender_scene::{BrdfModel, Layering, Material, Rgb, WardModel};
 
 const ALPHAS: [(f32, f32); 6] =
     [(0.03, 0.03), (0.2, 0.2), (0.6, 0.6), (0.05, 0.3), (0.4, 0.1), (0.15, 0.25)];
@@ -47,7 +47,23 @@ fn reflectances() -> Vec<(String, Bsdf<'static>)> {
         }
     }
     all.extend(guided());
+    all.extend(coated());
     all
+}
+
+/// Plastics of the reciprocal layering, from a mostly reflecting coat to a mostly reflecting base, and a metal that scatters once.
+fn coated() -> impl Iterator<Item = (String, Bsdf<'static>)> {
+    let model = BrdfModel::Principled(Layering::Coupled);
+    let plastics =
+        [(0.02, 1.9, 0.05), (0.2, 1.5, 0.3), (0.9, 1.5, 0.1)].map(|(base, ior, alpha)| {
+            let material = Material::plastic(Rgb::splat(base), ior, Layering::Coupled, alpha);
+            (
+                format!("a plastic of {base}, {ior}, {alpha}"),
+                Bsdf::new(&material, material.rho_d, model),
+            )
+        });
+    let metal = Material::metal(Rgb::new(0.95, 0.7, 0.3), false, 0.2);
+    plastics.into_iter().chain([("a metal".to_owned(), Bsdf::new(&metal, metal.rho_d, model))])
 }
 
 /// Reflectances that look for light in mirror images too: one and several, narrow and wide, some

@@ -3,7 +3,7 @@
 //!
 //! Comparisons are by the picture's own noise: see `common::assert_agree`.
 
-use crate::common::{Estimate, Stage, assert_agree, camera, settings};
+use crate::common::{Estimate, Stage, assert_agree, camera, plate_corners, quad_mesh, settings};
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI};
 use unrender_render::Settings;
@@ -65,6 +65,24 @@ fn a_polygon_lights_the_floor_by_lamberts_formula() {
             let what = format!("polygon {index} at {point}");
             assert_agree(&what, found, Estimate::exactly(expected), 2e-3);
         }
+    }
+}
+
+#[test]
+fn a_surface_whose_shading_normal_faces_away_is_as_bright_as_from_its_other_side() {
+    let normal = Vec3::new(0.8, 0.6, 0.0);
+    let mut stage = Stage::default();
+    let group = stage.group(Material::diffuse(RHO), BLACK);
+    let mut mesh = quad_mesh(plate_corners(Vec3::ZERO, 5.0 * Vec3::Z, 5.0 * Vec3::X), &[]);
+    mesh.normals.fill(normal);
+    stage.mesh(group, mesh);
+    let direction = Vec3::new(-0.6, -0.8, 0.0);
+    stage.light(LightKind::Directional { direction, irradiance: Rgb::splat(3.0) });
+    let expected = RHO * (3.0 * FRAC_1_PI * normal.dot(-direction));
+    for eye in [Vec3::new(2.0, 0.7, 0.1), Vec3::new(-2.0, 0.7, 0.1)] {
+        let film = stage.render(&camera(eye, Vec3::ZERO, 2e-3), 4, settings(4));
+        let what = format!("from {eye}");
+        assert_agree(&what, Estimate::of_film(&film), Estimate::exactly(expected), 1e-6);
     }
 }
 

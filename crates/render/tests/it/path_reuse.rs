@@ -1,7 +1,7 @@
 //! Path reuse: the estimate is unbiased, its variance is lower, and its bits do not depend on
 //! threads or shards.
 
-use crate::common::{Estimate, Stage, assert_agree, camera, settings};
+use crate::common::{Estimate, Stage, assert_agree, camera, plate_corners, quad_mesh, settings};
 use glam::{DVec3, Vec3};
 use unrender_render::adaptive::SampleAllocation;
 use unrender_render::{Accumulator, Integrator, Settings};
@@ -33,6 +33,11 @@ fn room() -> Stage {
     let both = Material { rho_d: Rgb::splat(0.3), ..Material::mirror(Rgb::splat(0.5)) };
     let glazed = stage.group(both, Rgb::ZERO);
     stage.plate(glazed, Vec3::new(0.6, 0.0, -0.95), 0.3 * Vec3::X, 0.5 * Vec3::Y);
+    // Shaded smooth over an edge: its shading normals face away from the camera and from much of the room.
+    let mut edge =
+        quad_mesh(plate_corners(Vec3::new(-0.95, 0.3, 0.0), 0.5 * Vec3::Y, 0.4 * Vec3::Z), &[]);
+    edge.normals.fill(Vec3::new(0.3, 0.3, -0.9).normalize());
+    stage.mesh(wall, edge);
     let lamp = stage.group(Material::diffuse(Rgb::ZERO), Rgb::splat(5.0));
     stage.plate(lamp, Vec3::new(0.0, 0.98, 0.0), 0.3 * Vec3::X, 0.3 * Vec3::Z);
     stage.light(LightKind::Spot {

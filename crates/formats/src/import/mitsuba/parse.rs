@@ -479,7 +479,12 @@ impl Parser<'_> {
     ) -> Result<(), String> {
         let name = if text.is_old { upgrade::snake_case(name) } else { name.to_owned() };
         if !name.is_empty() && !self.named.insert((parent, name.clone())) {
-            return Err(self.fail(place, format!("\"{name}\" is given twice")));
+            // Mitsuba 0.6 takes the last one. Published files repeat lines, which changes nothing.
+            let before = self.tree.plugins[parent].properties.iter().find(|of| of.name == name);
+            if before.is_some_and(|before| before.value == value) {
+                return Ok(());
+            }
+            return Err(self.fail(place, format!("\"{name}\" is given twice, with two values")));
         }
         let asked = Cell::new(false);
         self.tree.plugins[parent].properties.push(Property { name, value, place, asked });

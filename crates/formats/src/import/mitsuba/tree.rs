@@ -34,7 +34,7 @@ pub(super) struct File {
 }
 
 /// What a property is.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
     Number(f64),
     Flag(bool),
