@@ -115,6 +115,12 @@ def for_mitsuba_3(root, log):
         kept = sf.find(texture, 'filter_type')
         if kept is not None and kept.get('value') == 'trilinear':
             kept.set('value', 'bilinear')
+        gamma = sf.find(texture, 'gamma')
+        if gamma is not None:
+            # Mitsuba 3 knows values as they are, and those of sRGB.
+            texture.remove(gamma)
+            if float(gamma.get('value')) == 1:
+                sf.add(texture, 'boolean', name='raw', value='true')
     for element in root.iter('spectrum'):
         if len(sf.numbers(element.get('value'))) == 3:
             element.tag = 'rgb'
@@ -125,6 +131,12 @@ def for_mitsuba_3(root, log):
 
 def nearest(bsdf, name, log):
     kind = bsdf.get('type')
+    around = sf.find(bsdf, 'ext_eta') if kind in CONDUCTORS else None
+    if around is not None:
+        # Mitsuba 3 has metals in air alone.
+        bsdf.remove(around)
+        if float(around.get('value')) != 1:
+            log.append(f"{name}: its surroundings of {around.get('value')} are air")
     if kind == 'phong':
         # The lobe's width by its exponent: alpha = sqrt(2 / (n + 2)) [Walter et al. 2007].
         width = math.sqrt(2 / (sf.number(bsdf, 'exponent', 30.0) + 2))

@@ -12,7 +12,7 @@ use crate::{Failure, machine};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Instant;
-use unrender::render::{Integrator, Parameter, Settings, Tracer};
+use unrender::render::{Integrator, Parameter, Query, Settings, Tracer};
 use unrender::scene::{Material, Rgb};
 
 /// The largest difference of a replayed radiance from the traced one, as a share of the picture's mean: single
@@ -107,10 +107,20 @@ fn measure(shot: &Shot, spp: u32) -> Result<Cost, Failure> {
     let (camera, size) = (&shot.camera, shot.size);
 
     let (_, picture) = timed(|| tracer.render_pixels(&materials, camera, size, &pixels, &settings));
-    let (traced, jacobian) =
-        timed(|| tracer.jacobian(&materials, camera, size, &pixels, &parameters, &settings, None));
-    let (stored, recording) =
-        timed(|| tracer.store(&materials, camera, size, &pixels, &parameters, &settings, None));
+    let (traced, jacobian) = timed(|| {
+        tracer.jacobian(
+            camera,
+            size,
+            &Query { parameters: &parameters, ..Query::new(&materials, &pixels, &settings) },
+        )
+    });
+    let (stored, recording) = timed(|| {
+        tracer.store(
+            camera,
+            size,
+            &Query { parameters: &parameters, ..Query::new(&materials, &pixels, &settings) },
+        )
+    });
     let (replayed, replay) = timed(|| stored.replay(&tracer, &materials, &[], None));
     let (_, replay_jacobian) = timed(|| stored.replay(&tracer, &materials, &parameters, None));
 

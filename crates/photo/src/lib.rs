@@ -27,7 +27,7 @@ pub mod vignetting;
 pub use binned::squares;
 pub use curve::Curve;
 pub use declared::{choose_response, declared_response};
-pub use response::Response;
+pub use response::{Response, UnknownResponse};
 pub use transfer::Transfer;
 pub use vignetting::Vignetting;
 

@@ -1,6 +1,7 @@
 //! Camera responses: the map from pixel values (codes) to linear values.
 
 use crate::Curve;
+use std::str::FromStr;
 use std::sync::Arc;
 use unrender_scene::color::{linear_from_srgb, srgb_from_linear};
 
@@ -17,7 +18,28 @@ pub enum Response {
     Measured(Arc<[Curve; 3]>),
 }
 
+/// There is no response of this name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no response \"{0}\"; those with a name are {names}", names = Response::NAMES.join(" and "))]
+pub struct UnknownResponse(pub String);
+
+impl FromStr for Response {
+    type Err = UnknownResponse;
+
+    /// The response of one of [`Response::NAMES`].
+    fn from_str(name: &str) -> Result<Self, UnknownResponse> {
+        match name {
+            "srgb" => Ok(Self::Srgb),
+            "linear" => Ok(Self::Linear),
+            _ => Err(UnknownResponse(name.to_owned())),
+        }
+    }
+}
+
 impl Response {
+    /// The names of the responses without a number or a measurement.
+    pub const NAMES: [&str; 2] = ["srgb", "linear"];
+
     /// The response of measured curves, one per channel.
     pub fn measured(curves: [Curve; 3]) -> Self {
         Self::Measured(Arc::new(curves))
@@ -68,6 +90,14 @@ impl Response {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_name_is_read() {
+        let read = Response::NAMES.map(|name| name.parse::<Response>().unwrap());
+        assert_eq!(read, [Response::Srgb, Response::Linear]);
+        let error = "gamma".parse::<Response>().unwrap_err();
+        assert!(Response::NAMES.iter().all(|name| error.to_string().contains(name)), "{error}");
+    }
 
     #[test]
     fn steps_at_the_ends_are_one_sided() {

@@ -3,20 +3,23 @@
 //! All parameters of the present hypotheses are fitted together; other hypotheses are proposed for the groups that are
 //! explained worst; a proposal is accepted if the re-rendering of the whole picture ([`crate::verify`]) does not speak
 //! against it. Then all parameters are refined together, which is taken back if it ends worse, and the hypotheses are
-//! compared again under the refined light. The result is the best state that was verified.
+//! compared again under the refined light; textures are extracted once more. Every change passes the same comparison, so
+//! that the result is the best guess that was verified, and is noted with the numbers that decided.
 
+use crate::compare::{CERTAIN, Measured};
+use crate::guess::Guess;
 use crate::hypothesis::Hypothesis;
 use crate::ladder::branches::{self, Kind};
-use crate::ladder::candidates::{self, Candidates};
+use crate::ladder::candidates::Candidates;
 use crate::ladder::lacking;
 use crate::ladder::proposal::Proposal;
 use crate::ladder::textures;
 use crate::problem::{Options, RecoverError};
-use crate::record::{Observer, Termination};
+use crate::progress::Progress;
+use crate::record::{Rule, Termination};
 use crate::refine::{self, Depth, brightness, score_test};
 use crate::sample_budget::{self, Level};
 use crate::schedule::Phase;
-use crate::state::{Snapshot, State};
 use crate::verify::{Score, Verified, Verifier};
 
 /// How often the hypotheses are compared again after a refinement; each time costs a refinement if
@@ -29,360 +32,364 @@ const BRANCHES: usize = 3;
 /// comparison. In drafts of four scenes the right one was the first or the second; half and double of it were not
 /// tried.
 const LACKING: usize = 2;
-/// A specular part is kept if it explains the other groups' pixels better by so many standard deviations. In a room,
-/// right ones reached 5.0 to 6.0; wrong ones, there and in three photographs of plain walls, 0.5 at most: half and
-/// double of it keep the same ones.
-const BETTER: f64 = 1.0;
-
 /// Recovers everything, the default way.
-pub(crate) fn drive(
-    state: &mut State<'_>,
+pub(crate) fn drive<'a>(
+    guess: Guess<'a>,
     options: &Options,
-    observer: &mut dyn Observer,
-) -> Result<Termination, RecoverError> {
+    progress: &mut Progress<'_>,
+) -> Result<(Guess<'a>, Termination), RecoverError> {
     let mut driver = Driver {
         options,
-        verifier: Verifier::new(state, options),
-        candidates: Candidates::new(state, options),
+        verifier: Verifier::new(&guess, options),
+        candidates: Candidates::new(&guess, options),
         spoken_for: Vec::new(),
+        progress,
     };
-    let mut termination = driver.select_models(state, observer)?;
-    if options.refine && !observer.is_cancelled() {
-        termination = driver.refine(state, observer)?;
+    let (mut present, mut termination) = (driver.select_models(guess)?, Termination::Settled);
+    let refines = |driver: &Driver<'_, '_>| options.refine && !driver.progress.is_cancelled();
+    if refines(&driver) {
+        (present, termination) = driver.refine(present)?;
     }
-    state.step("textures", |state| textures::finish(state, options));
-    if options.refine && !observer.is_cancelled() {
-        state.schedule.begin(Phase::OtherMinima);
-        observer.working(
-            "looking for other materials that explain the photo as well",
-            state.schedule.share(0.0),
-        );
-        state.step("other minima", |state| refine::local_minima::find(state, options));
+    let mut result = driver.extract_textures(present).guess;
+    if refines(&driver) {
+        driver.progress.begin(Phase::OtherMinima);
+        let what = "looking for other materials that explain the photo as well";
+        driver.progress.working(what, 0.0);
+        refine::local_minima::find(&mut result, options);
     }
-    Ok(if observer.is_cancelled() { Termination::Interrupted } else { termination })
+    let is_cancelled = driver.progress.is_cancelled();
+    Ok((result, if is_cancelled { Termination::Interrupted } else { termination }))
 }
 
-struct Driver<'o> {
-    options: &'o Options,
+struct Driver<'p, 'o> {
+    options: &'p Options,
     verifier: Verifier,
-    candidates: Candidates<'o>,
+    candidates: Candidates<'p>,
     /// Groups whose specular part is supported by the other groups' pixels, not by their own.
     spoken_for: Vec<usize>,
+    progress: &'p mut Progress<'o>,
 }
 
-impl Driver<'_> {
+impl Driver<'_, '_> {
     /// All numbers are fitted together, on few paths; other hypotheses are proposed, accepted or taken back.
-    fn select_models(
-        &mut self,
-        state: &mut State<'_>,
-        observer: &mut dyn Observer,
-    ) -> Result<Termination, RecoverError> {
-        state.schedule.begin(Phase::Fits);
-        refine::settle_nuisances(state, self.options)?;
-        let mut best = self.verifier.verify(state);
-        let first = state.snapshot();
-        self.refine_once(state, &mut best, Depth::Rough, observer);
-        let is_suspect =
-            !self.options.force && brightness::find(state, self.options, &first).is_some();
+    fn select_models<'a>(&mut self, guess: Guess<'a>) -> Result<Verified<'a>, RecoverError> {
         let level = Level::Choice;
-        self.candidates.enforce(state, level);
-        best = self.verifier.verify(state);
-        state.schedule.begin(Phase::Choice);
-        self.choose(state, &mut best, observer)?;
+        self.progress.begin(Phase::Fits);
+        let first = self.verifier.verify(refine::settle_nuisances(guess, self.options)?);
+        let start = first.guess.clone();
+        let (mut present, _) = self.refine_once(first, Depth::Rough);
+        let is_off =
+            |present: &Verified<'_>| brightness::find(&present.guess, self.options, &start);
+        let is_suspect = !self.options.force && is_off(&present).is_some();
+        present = self.enforce(present, level);
+        self.progress.begin(Phase::Choice);
+        present = self.choose(present)?;
         // While all are diffuse, a specular part may look like other light. An interrupted choice keeps its results.
         if is_suspect
-            && !observer.is_cancelled()
-            && let Some(off) = brightness::find(state, self.options, &first)
+            && !self.progress.is_cancelled()
+            && let Some(off) = brightness::find(&present.guess, self.options, &start)
         {
             return Err(off.into());
         }
         if self.options.effort.asks_again() {
-            self.branch(state, &mut best, observer)?;
-            self.add_lacking(state, &mut best, observer)?;
+            present = self.branch(present)?;
+            present = self.add_lacking(present)?;
         }
-        let open = self.candidates.open(state, level);
-        state.note_open(&open);
-        Ok(Termination::Settled)
+        let open = self.candidates.open(&present.guess, level);
+        self.progress.note_open(&present.guess, &open);
+        Ok(present)
+    }
+
+    /// Gives groups whose hypothesis is not allowed the best one that is, whatever the picture says.
+    fn enforce<'a>(&mut self, present: Verified<'a>, level: Level) -> Verified<'a> {
+        let mut guess = present.guess;
+        for proposal in self.candidates.allowed(&mut guess, level, self.progress) {
+            let both = [guess.groups[proposal.group].hypothesis, proposal.hypothesis];
+            let measured = Measured { holds: true, ..Measured::default() };
+            self.progress.decide(proposal.group, both, measured, Rule::Project);
+            proposal.apply(&mut guess);
+        }
+        self.verifier.verify(guess)
     }
 
     /// Compares the hypotheses of the groups that are explained worst, until none changes in its present light.
-    fn choose(
-        &mut self,
-        state: &mut State<'_>,
-        best: &mut Verified,
-        observer: &mut dyn Observer,
-    ) -> Result<(), RecoverError> {
+    fn choose<'a>(&mut self, mut present: Verified<'a>) -> Result<Verified<'a>, RecoverError> {
         let level = Level::Choice;
-        while !observer.is_cancelled() {
-            refine::settle_nuisances(state, self.options)?;
-            let proposals = self.candidates.propose_worst(state, level, observer);
+        while !self.progress.is_cancelled() {
+            present.guess = refine::settle_nuisances(present.guess, self.options)?;
+            let guess = &mut present.guess;
+            let proposals = self.candidates.propose_worst(guess, level, self.progress);
             if proposals.is_empty() {
                 break;
             }
-            let before = best.score.clone();
+            let before = present.score.clone();
             let proposed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
-            if self.try_all(state, proposals, best, Depth::Rough, observer) {
-                self.refine_once(state, best, Depth::Rough, observer);
-                let mut changed = self.changed(state, &best.score, &before, level);
+            let accepted;
+            (present, accepted) = self.try_all(present, proposals, Depth::Rough);
+            if accepted {
+                (present, _) = self.refine_once(present, Depth::Rough);
+                let mut changed = self.changed(&present, &before, level);
                 changed.retain(|group| !proposed.contains(group));
                 self.candidates.ask_again(&changed);
             }
         }
-        Ok(())
+        Ok(present)
     }
 
     /// Groups that light each other may keep each other wrong: one that stays unexplained gets another kind of
     /// hypothesis, those of the groups that it lights are compared again, and the better of both results is kept.
-    fn branch(
-        &mut self,
-        state: &mut State<'_>,
-        best: &mut Verified,
-        observer: &mut dyn Observer,
-    ) -> Result<(), RecoverError> {
+    fn branch<'a>(&mut self, mut present: Verified<'a>) -> Result<Verified<'a>, RecoverError> {
         let (level, mut tried) = (Level::Choice, Vec::new());
         let allowed = sample_budget::allowance(level, self.options).floor;
-        while tried.len() < BRANCHES && !observer.is_cancelled() {
-            let Some(other) = branches::next(state, allowed, &tried) else { break };
+        while tried.len() < BRANCHES && !self.progress.is_cancelled() {
+            let Some(other) = branches::next(&present.guess, allowed, &tried) else { break };
             tried.extend(Kind::of(other.hypothesis).map(|kind| (other.group, kind)));
-            let before = self.candidates.clone();
-            other.apply(state);
-            refine::refine(state, self.options, Depth::Rough, observer);
-            let mut found = self.verifier.verify(state);
+            let before = (self.candidates.clone(), self.progress.decisions.len());
+            let changed = other.applied(&present.guess);
+            let (guess, _) = refine::refine(changed, self.options, Depth::Rough, self.progress);
+            let found = self.verifier.verify(guess);
             self.candidates.hold(Some(other.group));
-            self.candidates.ask_again(&self.changed(state, &found.score, &best.score, level));
-            self.choose(state, &mut found, observer)?;
-            if self.verifier.compare(&best.score, &found.score).is_worse() {
-                *best = found;
+            self.candidates.ask_again(&self.changed(&found, &present.score, level));
+            let found = self.choose(found)?;
+            // The present one has to be worse, and not the other one as good.
+            let now = self.verifier.compare(&present.score, &found.score).measured();
+            let measured = Measured { holds: !now.holds, difference: -now.difference, ..now };
+            if measured.holds {
+                self.note(&present.guess, &other, measured, Rule::Branch);
                 self.candidates.hold(None);
-                self.choose(state, best, observer)?;
+                present = self.choose(found)?;
             } else {
-                self.candidates = before;
-                state.restore(&best.snapshot);
+                self.progress.take_back(before.1);
+                self.note(&present.guess, &other, measured, Rule::Branch);
+                self.candidates = before.0;
             }
         }
-        Ok(())
+        Ok(present)
     }
 
     /// Where the picture stays unexplained, the diffuse group that would explain most of it by a specular part gets
-    /// one, and keeps it if that explains the other groups better; then the hypotheses of the groups whose light
-    /// changed are compared again.
-    fn add_lacking(
-        &mut self,
-        state: &mut State<'_>,
-        best: &mut Verified,
-        observer: &mut dyn Observer,
-    ) -> Result<(), RecoverError> {
+    /// one, and keeps it if that explains the other groups better and the whole picture not worse; then the hypotheses
+    /// of the groups whose light changed are compared again.
+    fn add_lacking<'a>(&mut self, mut present: Verified<'a>) -> Result<Verified<'a>, RecoverError> {
         let (level, mut tried) = (Level::Choice, Vec::new());
         let allowed = sample_budget::allowance(level, self.options).floor;
-        while !observer.is_cancelled() {
-            let others = lacking::all(state, self.options, allowed, &tried);
-            let mut first = others.into_iter().take(LACKING);
-            let is_found = first.any(|other| {
+        while !self.progress.is_cancelled() {
+            let others = lacking::all(&present.guess, self.options, allowed, &tried);
+            let found = others.into_iter().take(LACKING).find_map(|other| {
                 tried.push(other.group);
-                other.apply(state);
-                refine::refine(state, self.options, Depth::Rough, observer);
-                let now = state.snapshot();
-                let is_better = self.is_better(state, other.group, [&now, &best.snapshot]);
-                if !is_better {
-                    state.restore(&best.snapshot);
-                }
-                is_better
+                let changed = other.applied(&present.guess);
+                let (guess, _) = refine::refine(changed, self.options, Depth::Rough, self.progress);
+                let others = self.others_gain(other.group, [&guess, &present.guess]);
+                self.note(&present.guess, &other, others, Rule::OtherGroups);
+                let found = others.holds.then(|| self.verifier.verify(guess))?;
+                let picture = self.verifier.compare(&found.score, &present.score).measured();
+                self.note(&present.guess, &other, picture, Rule::Picture);
+                picture.holds.then_some((other.group, found))
             });
-            if !is_found {
-                break;
-            }
-            self.spoken_for.extend(tried.last());
-            let before = std::mem::replace(best, self.verifier.verify(state));
-            self.candidates.ask_again(&self.changed(state, &best.score, &before.score, level));
-            self.choose(state, best, observer)?;
+            let Some((group, found)) = found else { break };
+            self.spoken_for.push(group);
+            self.candidates.ask_again(&self.changed(&found, &present.score, level));
+            present = self.choose(found)?;
         }
-        Ok(())
+        Ok(present)
     }
 
-    /// Whether the other groups are explained better in the first state than in the second, where `group` is diffuse.
-    fn is_better(&self, state: &mut State<'_>, group: usize, both: [&Snapshot; 2]) -> bool {
-        score_test::certainty(state, self.options, group, both) > BETTER
+    /// By how much the other groups are explained better by the first guess than by the second, where `group` is diffuse.
+    fn others_gain(&self, group: usize, both: [&Guess<'_>; 2]) -> Measured {
+        let gain = score_test::gain_of_others(self.options, group, both);
+        Measured { holds: -gain.difference - gain.price > CERTAIN * gain.deviation, ..gain }
+    }
+
+    fn note(&mut self, present: &Guess<'_>, other: &Proposal, measured: Measured, rule: Rule) {
+        let both = [present.groups[other.group].hypothesis, other.hypothesis];
+        self.progress.decide(other.group, both, measured, rule);
     }
 
     /// Makes the changes of `proposals` together; if the picture speaks against them, tries each half of them alone.
-    /// `best` is the present state, and afterwards the accepted one. Returns whether one was accepted.
-    fn try_all(
+    /// Returns the guess with what was accepted, and whether anything was.
+    fn try_all<'a>(
         &mut self,
-        state: &mut State<'_>,
+        mut present: Verified<'a>,
         proposals: Vec<Proposal>,
-        best: &mut Verified,
         depth: Depth,
-        observer: &mut dyn Observer,
-    ) -> bool {
+    ) -> (Verified<'a>, bool) {
         let mut accepted = false;
         let (alone, together): (Vec<Proposal>, Vec<Proposal>) =
             proposals.into_iter().partition(|one| self.spoken_for.contains(&one.group));
         let mut waiting: Vec<Vec<Proposal>> = alone.into_iter().map(|one| vec![one]).collect();
         waiting.extend((!together.is_empty()).then_some(together));
         while let Some(mut proposals) = waiting.pop() {
-            if let Some(found) = self.try_one(state, &proposals, best, depth, observer) {
-                proposals.iter().for_each(|proposal| proposal.record(state, true));
-                (*best, accepted) = (found, true);
-                let next = proposals.into_iter().filter_map(|proposal| proposal.afterwards(state));
-                let next: Vec<Proposal> = next.collect();
+            let found = self.try_one(&present, &proposals, depth);
+            if let Some(found) = found {
+                (present, accepted) = (found, true);
+                proposals.iter().for_each(|one| one.record(&mut present.guess, true));
+                let guess = &present.guess;
+                let next = proposals.into_iter().filter_map(|one| one.afterwards(guess));
+                let next: Vec<Vec<Proposal>> = next.map(|next| vec![next]).collect();
                 if !next.is_empty() {
                     // A texture would also fit a lobe's residual: the lobe is refined first.
-                    self.refine_once(state, best, depth, observer);
+                    (present, _) = self.refine_once(present, depth);
                 }
-                waiting.extend(next.into_iter().map(|next| vec![next]));
-                continue;
-            }
-            state.restore(&best.snapshot);
-            if proposals.len() > 1 {
+                waiting.extend(next);
+            } else if proposals.len() > 1 {
                 let other = proposals.split_off(proposals.len() / 2);
-                waiting.push(other);
-                waiting.push(proposals);
+                waiting.extend([other, proposals]);
             } else if let Some(proposal) = proposals.pop() {
                 self.candidates.reject(&proposal);
-                proposal.record(state, false);
-                waiting.extend(proposal.otherwise(state).map(|next| vec![next]));
+                proposal.record(&mut present.guess, false);
+                waiting.extend(proposal.otherwise(&present.guess).map(|next| vec![next]));
             }
         }
-        accepted
+        (present, accepted)
     }
 
-    /// The state with the changes of `proposals`, if the picture does not speak against it. Other groups were fitted in
+    /// The guess with the changes of `proposals`, if the picture does not speak against it. Other groups were fitted in
     /// the light of the groups that change here, right or wrong: where these gain and others lose, all are fitted again
     /// before the decision. A more complex hypothesis, or another minimum of the same, has to be supported by its own
     /// group's pixels: nothing else speaks for it.
-    fn try_one(
+    fn try_one<'a>(
         &mut self,
-        state: &mut State<'_>,
+        present: &Verified<'a>,
         proposals: &[Proposal],
-        best: &Verified,
         depth: Depth,
-        observer: &mut dyn Observer,
-    ) -> Option<Verified> {
-        proposals.iter().for_each(|proposal| proposal.apply(state));
+    ) -> Option<Verified<'a>> {
+        let mut guess = present.guess.clone();
+        proposals.iter().for_each(|proposal| proposal.apply(&mut guess));
         if let [one] = proposals
             && self.spoken_for.contains(&one.group)
             && one.hypothesis == Hypothesis::Diffuse
         {
-            refine::refine(state, self.options, depth, observer);
-            let now = state.snapshot();
-            if self.is_better(state, one.group, [&best.snapshot, &now]) {
+            (guess, _) = refine::refine(guess, self.options, depth, self.progress);
+            let lost = self.others_gain(one.group, [&present.guess, &guess]);
+            if lost.holds {
+                let measured = Measured { holds: false, difference: -lost.difference, ..lost };
+                self.note(&present.guess, one, measured, Rule::OtherGroups);
                 return None;
             }
         }
-        let is_borne_out = |proposal: &Proposal| {
-            !proposal.is_to_be_borne_out() || self.verifier.bears_out(state, best, proposal)
-        };
-        if !proposals.iter().all(is_borne_out) {
-            return None;
+        for proposal in proposals.iter().filter(|proposal| proposal.is_to_be_borne_out()) {
+            let own = self.verifier.bears_out(&guess, present, proposal.claim());
+            self.note(&present.guess, proposal, own, Rule::OwnPixels);
+            if !own.holds {
+                return None;
+            }
         }
-        observer.working("comparing the change with the whole photo", state.schedule.share(0.0));
-        let mut found = self.verifier.verify(state);
+        self.progress.working("comparing the change with the whole photo", 0.0);
+        let mut found = self.verifier.verify(guess);
         let changed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
-        let mut comparison = self.verifier.compare(&found.score, &best.score);
+        let mut comparison = self.verifier.compare(&found.score, &present.score);
         if comparison.is_worse() && comparison.gains(&changed) {
-            refine::refine(state, self.options, depth, observer);
-            found = self.verifier.verify(state);
-            comparison = self.verifier.compare(&found.score, &best.score);
+            let (guess, _) = refine::refine(found.guess, self.options, depth, self.progress);
+            found = self.verifier.verify(guess);
+            comparison = self.verifier.compare(&found.score, &present.score);
         }
-        (!comparison.is_worse()).then_some(found)
+        let picture = comparison.measured();
+        proposals.iter().for_each(|one| self.note(&present.guess, one, picture, Rule::Picture));
+        picture.holds.then_some(found)
     }
 
     /// Refines all parameters together, roughly at first; under that light the hypotheses are compared again.
-    fn refine(
+    fn refine<'a>(
         &mut self,
-        state: &mut State<'_>,
-        observer: &mut dyn Observer,
-    ) -> Result<Termination, RecoverError> {
+        present: Verified<'a>,
+    ) -> Result<(Verified<'a>, Termination), RecoverError> {
         self.verifier.begin_refined(self.options);
         self.candidates.forget_rejections();
-        let mut best = self.verifier.verify(state);
-        state.schedule.begin(Phase::Refinement);
-        self.refine_once(state, &mut best, Depth::Coarse, observer);
+        let present = self.verifier.verify(present.guess);
+        self.progress.begin(Phase::Refinement);
+        let (mut present, _) = self.refine_once(present, Depth::Coarse);
         if self.options.effort.asks_again() {
-            state.schedule.begin(Phase::Revision);
-            self.revise(state, &mut best, observer)?;
+            self.progress.begin(Phase::Revision);
+            present = self.revise(present)?;
         }
-        state.schedule.begin(Phase::LastRefinement);
-        let termination = self.refine_once(state, &mut best, Depth::Fine, observer);
-        self.candidates.forget_explained(state);
-        Ok(termination)
+        self.progress.begin(Phase::LastRefinement);
+        let (mut present, termination) = self.refine_once(present, Depth::Fine);
+        self.candidates.forget_explained(&mut present.guess);
+        Ok((present, termination))
     }
 
-    /// The groups whose light differs between two scores by more than the error that is always allowed for: a smaller
-    /// change decides nothing.
-    fn changed(&self, state: &State<'_>, now: &Score, before: &Score, level: Level) -> Vec<usize> {
+    /// The groups whose light differs between a guess and the score `before` by more than the error that is always
+    /// allowed for: a smaller change decides nothing.
+    fn changed(&self, now: &Verified<'_>, before: &Score, level: Level) -> Vec<usize> {
         let tolerated = sample_budget::allowance(level, self.options).light.share;
-        let changed = self.verifier.changed(now, before, tolerated);
-        state.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
+        let changed = self.verifier.changed(&now.score, before, tolerated);
+        now.guess.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
 
     /// Compares the hypotheses of all groups again, and then of those whose light has changed, or whose texture was
     /// rejected by the former residuals of the other groups.
-    fn revise(
-        &mut self,
-        state: &mut State<'_>,
-        best: &mut Verified,
-        observer: &mut dyn Observer,
-    ) -> Result<(), RecoverError> {
-        let mut groups = state.visible_unknowns();
+    fn revise<'a>(&mut self, mut present: Verified<'a>) -> Result<Verified<'a>, RecoverError> {
+        let mut groups = present.guess.visible_unknowns();
         for _ in 0..REVISIONS {
-            refine::settle_nuisances(state, self.options)?;
-            let before = best.score.clone();
-            let proposals = self.ask(state, &groups, observer);
+            present.guess = refine::settle_nuisances(present.guess, self.options)?;
+            let before = present.score.clone();
+            let proposals = self.ask(&mut present.guess, &groups);
             let proposed: Vec<usize> = proposals.iter().map(|proposal| proposal.group).collect();
-            if proposals.is_empty() || observer.is_cancelled() {
+            if proposals.is_empty() || self.progress.is_cancelled() {
                 break;
             }
-            if !self.try_all(state, proposals, best, Depth::Coarse, observer) {
+            let accepted;
+            (present, accepted) = self.try_all(present, proposals, Depth::Coarse);
+            if !accepted {
                 break;
             }
-            self.refine_once(state, best, Depth::Coarse, observer);
-            groups = self.changed(state, &best.score, &before, Level::Refined);
+            (present, _) = self.refine_once(present, Depth::Coarse);
+            groups = self.changed(&present, &before, Level::Refined);
             groups.retain(|group| !proposed.contains(group));
             groups.extend(self.candidates.take_refused_textures());
             groups.sort_unstable();
             groups.dedup();
         }
-        Ok(())
+        Ok(present)
     }
 
     /// One joint refinement; it is taken back if the picture speaks against it, by two sets of random numbers.
-    fn refine_once(
+    fn refine_once<'a>(
         &mut self,
-        state: &mut State<'_>,
-        best: &mut Verified,
+        present: Verified<'a>,
         depth: Depth,
-        observer: &mut dyn Observer,
-    ) -> Termination {
-        let termination = refine::refine(state, self.options, depth, observer);
-        let found = self.verifier.verify(state);
-        let is_worse = self.verifier.compare(&found.score, &best.score).is_worse()
-            && self.verifier.confirms_worse(state, &found.snapshot, &best.snapshot);
-        if is_worse {
-            state.restore(&best.snapshot);
-        } else {
-            *best = found;
+    ) -> (Verified<'a>, Termination) {
+        let decisions = self.progress.decisions.len();
+        let guess = present.guess.clone();
+        let (guess, termination) = refine::refine(guess, self.options, depth, self.progress);
+        let (present, is_taken_back) = self.better(present, guess);
+        if is_taken_back {
+            self.progress.take_back(decisions);
         }
-        termination
+        (present, termination)
+    }
+
+    /// `guess`, or the `present` one where the picture speaks against `guess` by two sets of random numbers; and whether
+    /// it does.
+    fn better<'a>(&self, present: Verified<'a>, guess: Guess<'a>) -> (Verified<'a>, bool) {
+        let found = self.verifier.verify(guess);
+        let is_worse = self.verifier.compare(&found.score, &present.score).is_worse()
+            && self.verifier.confirms_worse(&found.guess, &present.guess);
+        (if is_worse { present } else { found }, is_worse)
+    }
+
+    /// The textures once more, with more light samples, under the final light.
+    fn extract_textures<'a>(&self, present: Verified<'a>) -> Verified<'a> {
+        let mut groups = present.guess.groups.iter();
+        if groups.all(|of_group| of_group.hypothesis != Hypothesis::Textured) {
+            return present;
+        }
+        let guess = textures::last(&present.guess, self.options);
+        self.better(present, guess).0
     }
 
     /// Other hypotheses for `groups` under the refined light.
-    fn ask(
-        &mut self,
-        state: &mut State<'_>,
-        groups: &[usize],
-        observer: &dyn Observer,
-    ) -> Vec<Proposal> {
+    fn ask(&mut self, guess: &mut Guess<'_>, groups: &[usize]) -> Vec<Proposal> {
         let mut proposals = Vec::new();
         for (n, &group) in groups.iter().enumerate() {
-            candidates::tell(state, observer, group, n as f64 / groups.len() as f64);
-            let proposal = match state.groups[group].hypothesis {
-                Hypothesis::Textured => {
-                    self.candidates.propose_uniform(state, group, Level::Refined)
-                }
-                _ => self.candidates.propose(state, group, Level::Refined),
-            };
-            proposals.extend(proposal);
+            let done = n as f64 / groups.len() as f64;
+            let is_textured = guess.groups[group].hypothesis == Hypothesis::Textured;
+            let (level, progress) = (Level::Refined, &mut *self.progress);
+            let proposal = self.candidates.propose(guess, group, level, done, progress);
+            // A texture makes way for a uniform hypothesis alone.
+            let is_other =
+                |other: &Proposal| !is_textured || other.hypothesis != Hypothesis::Textured;
+            proposals.extend(proposal.filter(is_other));
         }
         proposals
     }

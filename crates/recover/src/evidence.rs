@@ -4,23 +4,16 @@
 //! Two sets, A and B, because the noise of a rendering is not the model's fault: the product of the
 //! two residuals `(B - L_A)(B - L_B)` has the mean `(B - L)^2`, without the variance of either.
 //! Reflectances minimise that product, so the rendering noise does not bias them ([`crate::fit::linear`]); the shapes
-//! of lobes are searched by the deviance ([`crate::likelihood`]), which includes the noise.
-//!
-//! A residual is weighted by the inverse of its variance under the observation model
-//! ([`crate::model_error`]): the photograph's noise at the *model's* brightness and the model error.
-//! The photograph's own value never enters its weight, since dark pixels would then dominate ([`Evidence::reweigh`]).
+//! of lobes are searched by the deviance ([`crate::compare::likelihood`]), which includes the noise.
 
-use crate::blocks::{Blocks, Grid};
 use crate::coated::Coated;
 use crate::expected::Expected;
-use crate::model_error::{Allowance, LightField, ModelError, followed, level2};
-use crate::observation::{Noise, Observation, Reading};
-use crate::rerender::Renderer;
-use crate::same_place;
+use crate::observe::model_error::{Allowance, ModelError};
+use crate::observe::sample::{Sample, Stage};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use unrender_render::sampler::mix;
-use unrender_render::{Appearance, LobeSums, Probe, ProbeSettings, Probes, RadianceCache};
+use unrender_render::{Appearance, LobeSums, Probe, ProbeSettings, Probes, Query};
 use unrender_scene::{BrdfModel, LobeAlbedo, Material, Reflectance, Rgb};
 
 /// What is known of one group in one iteration.
@@ -28,40 +21,16 @@ use unrender_scene::{BrdfModel, LobeAlbedo, Material, Reflectance, Rgb};
 pub struct Evidence {
     /// The lobe.
     pub model: BrdfModel,
-    /// One entry a pixel of the sample.
-    pub pixels: Vec<Observed>,
+    /// The pixels.
+    pub sample: Sample,
     /// The light at the same pixels, twice.
     pub sets: [Gathered; 2],
-    /// The block of every pixel of the sample.
-    pub blocks: Blocks,
-    /// How the light that was gathered may be wrong.
-    pub field: LightField,
     /// How much model error is always allowed for.
     pub allowance: Allowance,
     /// The least noise of every block for all candidates, where it is known.
     pub least_noise: Option<Vec<Rgb>>,
     /// Bounds and starting values of the group's numbers.
     pub expected: Expected,
-}
-
-/// One pixel of the photograph.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Observed {
-    /// The pixel's index.
-    pub pixel: u32,
-    /// Its radiance.
-    pub radiance: Rgb,
-    /// Whether the radiance is a measurement or a lower bound of one.
-    pub reading: Reading,
-    /// The photograph's noise there.
-    pub noise: Noise,
-    /// The variance of its noise, at the model's brightness.
-    pub variance: Rgb,
-    /// The radiance that relative errors are relative to: the root mean square of the group's mean
-    /// and of the model's light here.
-    pub level: Rgb,
-    /// The weight of its residual in fits: the inverse of its variance.
-    pub weight: Rgb,
 }
 
 /// The light at each pixel of the sample, under one seed.
@@ -75,19 +44,6 @@ pub struct Gathered {
     lobes: Option<LobeSums>,
     /// The same for plastics; none where the scene's model has none.
     coated: Option<Coated>,
-}
-
-/// Where evidence comes from: the photograph, the scale of its values, and the renderer.
-#[derive(Clone, Copy)]
-pub struct Stage<'a> {
-    /// The photograph, sorted by groups.
-    pub observation: &'a Observation,
-    /// Scene radiance per unit of the photograph's values.
-    pub exposure: Rgb,
-    /// The renderer, behind the photograph's camera.
-    pub renderer: &'a dyn Renderer,
-    /// Where the photograph itself says what radiance the surfaces send.
-    pub seen: Option<&'a RadianceCache>,
 }
 
 /// How much to gather.
@@ -112,37 +68,21 @@ impl Evidence {
         pixels: &[u32],
         budget: &SampleBudget,
     ) -> Self {
-        let Stage { observation, exposure, renderer, seen: known } = *stage;
-        let count = observation.sheet.of_all(budget.pixels);
-        let grid = Grid::of(observation, group, pixels, count);
-        let wanted = grid.sample(pixels, count, budget.pixels_seed ^ group as u64);
+        let Stage { observation, renderer, seen: known, .. } = *stage;
+        let (wanted, grid) =
+            Sample::choose(observation, group, pixels, budget.pixels, budget.pixels_seed);
         let sets = [0u64, 1].map(|half| {
             let seed = mix(budget.probe.seed).wrapping_add(half);
             let settings = ProbeSettings { seed, ..budget.probe.clone() };
-            renderer.probe(appearance, &wanted, &settings, known)
+            renderer.probe(&Query { seen: known, ..Query::new(appearance, &wanted, &settings) })
         });
         let seen = pixels_of_both(&sets, group as u32);
         let model = renderer.model();
         let sets = sets.map(|probes| Gathered::of(model, probes, &seen, group as u32));
-        let blocks = same_place::paired(Blocks::of(&seen, &grid), renderer, &seen);
-        let pixels = observe(observation, exposure, group, &seen);
         let allowance = budget.allowance;
-        let field = LightField::of(
-            &blocks,
-            &seen,
-            (&observation.sheet, renderer.geometry()),
-            allowance.light,
-        );
-        Self {
-            model,
-            pixels,
-            sets,
-            blocks,
-            field,
-            allowance,
-            least_noise: None,
-            expected: Expected::default(),
-        }
+        let sample = Sample::of(stage, group, (&seen, &grid), allowance.light);
+        let (least_noise, expected) = (None, Expected::default());
+        Self { model, sample, sets, allowance, least_noise, expected }
     }
 
     /// The same for a group of which something is `expected`.
@@ -151,13 +91,11 @@ impl Evidence {
         Self { expected, ..self }
     }
 
-    /// Weights every residual by the inverse of its variance, with `material` as the model whose
-    /// light says how bright each pixel is, and `error` the group's model error.
-    ///
-    /// The light is averaged over blocks, so that its noise does not enter the weights.
+    /// Weights every residual by the inverse of its variance, with `material` as the model whose light says how bright each
+    /// pixel is, and `error` the group's model error.
     pub fn reweigh(&mut self, material: &Material, error: ModelError) {
         let light = self.mean_radiance(material);
-        reweigh(&mut self.pixels, &self.blocks, &light, error);
+        self.sample.reweigh(&light, error);
     }
 
     /// The mean of the two renderings of `material` at every pixel.
@@ -168,7 +106,7 @@ impl Evidence {
 
     /// Whether nothing was seen of the group.
     pub fn is_empty(&self) -> bool {
-        self.pixels.is_empty()
+        self.sample.pixels.is_empty()
     }
 
     /// The radiance of a white diffuse surface at every pixel, twice.
@@ -227,47 +165,24 @@ impl Evidence {
     pub fn thinned(&self) -> Self {
         /// Samples of fewer pixels are kept whole. Half and double of it were not tried.
         const ENOUGH: usize = 1500;
-        if self.pixels.len() < ENOUGH {
+        if self.sample.pixels.len() < ENOUGH {
             return self.clone();
         }
-        let flags: Vec<bool> = (0..self.pixels.len()).map(|i| i % 3 != 0).collect();
+        let flags: Vec<bool> = (0..self.sample.pixels.len()).map(|i| i % 3 != 0).collect();
         self.clone().without(&flags)
     }
 
     /// The same without the pixels of the sample that are flagged.
     #[must_use]
     pub fn without(mut self, flags: &[bool]) -> Self {
-        let mut kept = flags.iter().map(|flag| !flag);
-        self.pixels.retain(|_| kept.next().unwrap_or(true));
+        self.sample = self.sample.without(flags);
         self.sets.iter_mut().for_each(|set| set.remove(flags));
         self.least_noise = None;
-        self.field = self.field.without(&self.blocks, flags);
-        self.blocks = self.blocks.without(flags);
         self
     }
 
     fn each(&self, f: impl Fn(&Probe) -> Rgb + Sync) -> [Vec<Rgb>; 2] {
         self.sets.each_ref().map(|set| set.means(&f))
-    }
-}
-
-/// Weights the residual of each of `pixels`, in `blocks`, by the inverse of its variance, under a model with this
-/// `error` and `light`.
-pub(crate) fn reweigh(pixels: &mut [Observed], blocks: &Blocks, light: &[Rgb], error: ModelError) {
-    let smooth = blocks.smooth(light);
-    let count = light.len().max(1) as f32;
-    let photograph: Vec<Rgb> = pixels.iter().map(|p| p.radiance).collect();
-    let shown = blocks.smooth(&photograph);
-    let shown_mean = photograph.iter().sum::<Rgb>() / count;
-    let mean = light.iter().sum::<Rgb>() / count;
-    for (pixel, &block) in pixels.iter_mut().zip(&blocks.of_pixel) {
-        let block = block as usize;
-        let (mean, local) = followed((mean, smooth[block]), (shown_mean, shown[block]));
-        let level2 = level2(mean, local);
-        pixel.level = level2.map(f32::sqrt);
-        pixel.variance = pixel.noise.variance(local);
-        let pixels = blocks.sizes[block] as f32 * blocks.places[block].fine_blocks();
-        pixel.weight = error.weight(pixel.variance, level2, pixels);
     }
 }
 
@@ -293,7 +208,7 @@ impl Gathered {
     }
 
     /// The first probe of every pixel.
-    pub(crate) fn first(&self) -> impl Iterator<Item = &Probe> {
+    pub fn first(&self) -> impl Iterator<Item = &Probe> {
         let pixels = self.starts.len().saturating_sub(1);
         self.starts[..pixels].iter().map(|start| &self.probes[*start as usize])
     }
@@ -371,31 +286,4 @@ fn pixels_of_both(sets: &[Probes; 2], group: u32) -> Vec<u32> {
         probes.probes.iter().filter(|p| p.group == group).map(|p| p.pixel).collect()
     };
     of(&sets[0]).intersection(&of(&sets[1])).copied().collect()
-}
-
-/// The photograph in some pixels of one group, weighted as if the group were equally bright
-/// everywhere.
-pub fn observe(
-    observation: &Observation,
-    exposure: Rgb,
-    group: usize,
-    pixels: &[u32],
-) -> Vec<Observed> {
-    let value = |p: u32| exposure * observation.picture.values.pixels()[p as usize];
-    let mean = pixels.iter().map(|&p| value(p)).sum::<Rgb>() / pixels.len().max(1) as f32;
-    let level2 = level2(mean, mean);
-    let one = |&pixel: &u32| {
-        let noise = observation.noise(group, pixel, exposure);
-        let variance = noise.variance(mean);
-        Observed {
-            pixel,
-            radiance: value(pixel),
-            reading: observation.reading(pixel),
-            noise,
-            variance,
-            level: level2.map(f32::sqrt),
-            weight: ModelError::START.weight(variance, level2, 1.0),
-        }
-    };
-    pixels.iter().map(one).collect()
 }

@@ -4,12 +4,13 @@
 //! the photograph `P`, less its own noise, without the variance of either. Where the noise of the last picture hides an
 //! error that would matter, some pixels of the group are rendered with more paths.
 
-use crate::blocks::spread;
+use crate::compare::CERTAIN;
+use crate::compare::residual::deviation_of_sum;
+use crate::guess::Guess;
+use crate::observe::blocks::spread;
 use crate::problem::{Options, Role};
-use crate::residual::deviation_of_sum;
-use crate::state::State;
+use crate::streams::Stream;
 use unrender_render::Settings;
-use unrender_render::sampler::mix;
 use unrender_scene::Rgb;
 
 /// Sums over the valid pixels of a group that is no lamp; zero for lamps.
@@ -37,12 +38,9 @@ pub(crate) struct GroupError {
 /// which is so far off is right. In drafts of twelve rooms 14 of 27 groups of a wrong hypothesis are above it, and 3 of 130
 /// right ones; above half of it are 17 and 21, above double 4 and none.
 const DOUBTFUL: f64 = 0.15;
-/// And above this many times its noise; at double of it, errors that anyone sees pass.
+/// And above this many times its noise, where the error counts less [`CERTAIN`] of its standard deviations: a noisy last
+/// picture is no reason to doubt. At double of it, errors that anyone sees pass.
 const TIMES_NOISE: f64 = 5.0;
-/// There the error counts less so many of its standard deviations: a noisy last picture is no reason to doubt.
-/// Without it, with 2 paths a pixel, 24 of 145 right groups of twelve rooms were doubtful by the noise of that picture
-/// alone; half and double of it were not tried.
-const CERTAIN: f64 = 2.0;
 /// Noise and model error together are at least this, relatively. At half of it, photographs without
 /// noise make every group doubtful.
 const NOISE_MIN: f64 = 0.006;
@@ -67,20 +65,20 @@ const HELPS: f64 = 0.5;
 impl GroupError {
     /// That of `group`, with the two halves of the last picture; with options, by more paths where that matters.
     pub(crate) fn of(
-        state: &State<'_>,
+        guess: &Guess<'_>,
         group: usize,
         halves: &[Vec<Rgb>; 2],
         options: Option<&Options>,
     ) -> Self {
-        if state.problem.groups[group].role == Role::Emitter {
+        if guess.problem.groups[group].role == Role::Emitter {
             let none = Squares { error: 0.0, deviation: 0.0, noise: 0.0, photo: 0.0 };
             return Self { last: none, measured: none };
         }
-        let pixels = &state.observation.pixels_of_group[group];
+        let pixels = &guess.observation.pixels_of_group[group];
         let of_last = |pixel: u32| halves.each_ref().map(|half| half[pixel as usize]);
-        let last = Squares::of(state, group, pixels.iter().map(|&pixel| (pixel, of_last(pixel))));
+        let last = Squares::of(guess, group, pixels.iter().map(|&pixel| (pixel, of_last(pixel))));
         let options = options.filter(|_| !last.is_known());
-        Self { last, measured: options.map_or(last, |options| measured(state, group, options)) }
+        Self { last, measured: options.map_or(last, |options| measured(guess, group, options)) }
     }
 
     /// Why the material is not to be trusted, if too much of the group's light is left unexplained.
@@ -105,21 +103,21 @@ impl GroupError {
 }
 
 /// The sums over a sample of the pixels of `group`, with as many paths as show an error that matters, if any number does.
-fn measured(state: &State<'_>, group: usize, options: &Options) -> Squares {
-    let pixels = &state.observation.pixels_of_group[group];
+fn measured(guess: &Guess<'_>, group: usize, options: &Options) -> Squares {
+    let pixels = &guess.observation.pixels_of_group[group];
     let sample = spread(pixels, PIXELS, options.seed);
     let rendered = |time: u32| {
         let halves = [0, 1].map(|half| {
             let settings = Settings {
                 spp: SPP * MORE.pow(time),
-                seed: mix(options.seed ^ 0xE220) ^ (group as u64) << 8 ^ half,
+                seed: Stream::GroupErrors.seed(options.seed) ^ (group as u64) << 8 ^ half,
                 max_bounces: options.max_bounces,
                 ..Settings::default()
             };
-            state.problem.renderer.rerender(state.appearance(), &sample, &settings)
+            guess.problem.renderer.rerender(guess.appearance(), &sample, &settings)
         });
         let both = halves[0].iter().zip(&halves[1]).map(|(a, b)| [*a, *b]);
-        Squares::of(state, group, sample.iter().copied().zip(both))
+        Squares::of(guess, group, sample.iter().copied().zip(both))
     };
     let mut squares = rendered(0);
     for time in 1..TIMES {
@@ -138,15 +136,15 @@ fn measured(state: &State<'_>, group: usize, options: &Options) -> Squares {
 impl Squares {
     /// The sums over pixels of `group`, each re-rendered twice.
     fn of(
-        state: &State<'_>,
+        guess: &Guess<'_>,
         group: usize,
         rendered: impl Iterator<Item = (u32, [Rgb; 2])>,
     ) -> Self {
         let mut squares = Self { error: 0.0, deviation: 0.0, noise: 0.0, photo: 0.0 };
         let mut products = Vec::new();
         for (pixel, [a, b]) in rendered {
-            let photo = (state.exposure * state.value(pixel as usize)).as_dvec3();
-            let noise = state.observation.noise(group, pixel, state.exposure);
+            let photo = (guess.exposure * guess.value(pixel as usize)).as_dvec3();
+            let noise = guess.observation.noise(group, pixel, guess.exposure);
             let noise = noise.variance(0.5 * (a + b)).as_dvec3();
             let [a, b] = [a, b].map(|half| half.as_dvec3());
             products.push(((photo - a) * (photo - b) - noise).element_sum());

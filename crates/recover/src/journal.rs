@@ -7,14 +7,11 @@
 //! takes it from there (*deterministic replay*); everything else, the state of the loops and all that later decisions
 //! depend on, is computed again.
 //!
-//! The steps are: an iteration of fits, the exposure by the anchor, the candidates of one group, a
-//! verification, a pass of the joint refinement, and each of the last tasks after it. A step that
-//! changes the state is kept as the parts of the state that it changed. Numbers are kept as their
-//! bits.
+//! The steps are: an iteration of the paper's method, the exposure by the anchor, the candidates of one group, a
+//! verification, a score test, a pass of the joint refinement, and each of the last tasks after it. Numbers are kept as
+//! their bits.
 //!
-//! To add a step: wrap it into `Steps::value` if it only finds something, or `State::step` (`state/step.rs`) if it
-//! changes materials, groups, lights, exposure or the camera's numbers. It must change nothing else
-//! of the state. A step that is not wrapped is done again, which costs only time.
+//! To add a step: wrap it into `Steps::value`. A step that is not wrapped is done again, which costs only time.
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;

@@ -1,13 +1,14 @@
 //! Whether any light of the scene reaches what the photograph shows: without it the photograph says nothing of a
 //! reflectance, and every number of a fit would be a quotient of zeros.
 
-use crate::blocks::spread;
+use crate::guess::Guess;
 use crate::hypothesis;
+use crate::observe::blocks::spread;
 use crate::problem::{Options, RecoverError, Role};
 use crate::record::Status;
-use crate::state::State;
-use unrender_render::ProbeSettings;
-use unrender_render::sampler::mix;
+use crate::streams::Stream;
+use std::sync::Arc;
+use unrender_render::{ProbeSettings, Query};
 
 /// Pixels of each group in which the light is looked for: a few, and many where these are dark. Light that reaches a
 /// hundredth of a group is missed by 256 in one case of thirteen, by half of them in one of four, by double in one of 170.
@@ -21,43 +22,45 @@ const DIRECTIONS: u32 = 16;
 /// # Errors
 /// If light reaches no surface that the photograph shows.
 pub(crate) fn leave_out_the_dark(
-    state: &mut State<'_>,
+    guess: &mut Guess<'_>,
     options: &Options,
 ) -> Result<(), RecoverError> {
     let is_seen = |group: &usize| {
-        let role = state.problem.groups[*group].role;
-        role != Role::Emitter && !state.observation.pixels_of_group[*group].is_empty()
+        let role = guess.problem.groups[*group].role;
+        role != Role::Emitter && !guess.observation.pixels_of_group[*group].is_empty()
     };
-    let seen: Vec<usize> = (0..state.problem.groups.len()).filter(is_seen).collect();
-    let dark: Vec<usize> = seen.iter().copied().filter(|g| is_dark(state, *g, options)).collect();
+    let seen: Vec<usize> = (0..guess.problem.groups.len()).filter(is_seen).collect();
+    let dark: Vec<usize> = seen.iter().copied().filter(|g| is_dark(guess, *g, options)).collect();
     if !seen.is_empty() && dark.len() == seen.len() {
-        let names = dark.iter().map(|group| state.problem.groups[*group].name.clone());
+        let names = dark.iter().map(|group| guess.problem.groups[*group].name.clone());
         return Err(RecoverError::NoLight(names.collect()));
     }
     for group in dark {
-        state.observation.pixels_of_group[group].clear();
-        state.observation.informative_of_group[group].clear();
-        state.groups[group].is_dark = true;
-        if state.problem.groups[group].role == Role::Unknown {
-            state.materials[group] = state.problem.groups[group].unseen();
-            state.groups[group].hypothesis = hypothesis::of(&state.materials[group]);
-            state.groups[group].status = Status::Assumed;
+        let observation = Arc::make_mut(&mut guess.observation);
+        observation.pixels_of_group[group].clear();
+        observation.informative_of_group[group].clear();
+        guess.groups[group].is_dark = true;
+        if guess.problem.groups[group].role == Role::Unknown {
+            guess.materials[group] = guess.problem.groups[group].unseen();
+            guess.groups[group].hypothesis = hypothesis::of(&guess.materials[group]);
+            guess.groups[group].status = Status::Assumed;
         }
     }
     Ok(())
 }
 
 /// Whether no path from the pixels of `group` finds light.
-fn is_dark(state: &State<'_>, group: usize, options: &Options) -> bool {
+fn is_dark(guess: &Guess<'_>, group: usize, options: &Options) -> bool {
     let settings = ProbeSettings {
         cosine: DIRECTIONS,
-        seed: mix(options.seed ^ 0x117),
+        seed: Stream::Darkness.seed(options.seed),
         max_bounces: options.max_bounces,
         ..ProbeSettings::default()
     };
     let is_dark = |count: usize| {
-        let sample = spread(&state.observation.pixels_of_group[group], count, options.seed);
-        let found = state.problem.renderer.probe(state.appearance(), &sample, &settings, None);
+        let sample = spread(&guess.observation.pixels_of_group[group], count, options.seed);
+        let query = Query::new(guess.appearance(), &sample, &settings);
+        let found = guess.problem.renderer.probe(&query);
         found.probes.iter().all(|probe| probe.diffuse.max_element() <= 0.0)
     };
     PIXELS.into_iter().all(is_dark)

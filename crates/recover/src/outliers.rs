@@ -47,7 +47,7 @@ const PATCH: f32 = 3.0;
 /// A cell of the picture: column and row.
 type Cell = (usize, usize);
 
-/// The sampled pixels of a group that show something else, as flags beside `evidence.pixels`; none
+/// The sampled pixels of a group that show something else, as flags beside `evidence.sample.pixels`; none
 /// if `fit` has no such pixels.
 pub fn find(
     evidence: &Evidence,
@@ -61,7 +61,7 @@ pub fn find(
     let dispersed = dispersed_objects(evidence, &ratios, geometry, dispersion);
     let object = |pixel: u32| geometry.pixels()[pixel as usize].object;
     let mut cells: BTreeMap<Cell, Vec<f32>> = BTreeMap::new();
-    for (pixel, ratio) in evidence.pixels.iter().zip(&ratios) {
+    for (pixel, ratio) in evidence.sample.pixels.iter().zip(&ratios) {
         if !dispersed.contains(&object(pixel.pixel)) {
             cells.entry(cell_of(pixel.pixel)).or_default().push(*ratio);
         }
@@ -71,6 +71,7 @@ pub fn find(
     let highlights = highlights(evidence, &cell_of);
     outliers.retain(|cell| median(cells[cell].clone()) < middle || !highlights.contains(cell));
     let flags: Vec<bool> = evidence
+        .sample
         .pixels
         .iter()
         .map(|p| dispersed.contains(&object(p.pixel)) || outliers.contains(&cell_of(p.pixel)))
@@ -96,7 +97,7 @@ fn highlights(evidence: &Evidence, cell_of: &dyn Fn(u32) -> Cell) -> BTreeSet<Ce
     for alpha in ALPHAS {
         let [a, b] = evidence.lobe(alpha, alpha, 0.0);
         let mut cells: BTreeMap<Cell, (f32, f32)> = BTreeMap::new();
-        for (i, pixel) in evidence.pixels.iter().enumerate() {
+        for (i, pixel) in evidence.sample.pixels.iter().enumerate() {
             let (sum, count) = cells.entry(cell_of(pixel.pixel)).or_default();
             *sum += luminance(a[i] + b[i]);
             *count += 1.0;
@@ -139,13 +140,13 @@ pub fn spread_out(
 fn ratios(evidence: &Evidence, fit: &Fit) -> Vec<f32> {
     let model = evidence.radiance(&fit.material);
     let one = |i: usize| {
-        let pixel = &evidence.pixels[i];
+        let pixel = &evidence.sample.pixels[i];
         let mean = 0.5 * (model[0][i] + model[1][i]);
         let relative = (pixel.radiance - mean) / pixel.level;
         let [r, g, b] = relative.to_array();
         1.0 + [g, b].into_iter().fold(r, |most, c| if c.abs() > most.abs() { c } else { most })
     };
-    (0..evidence.pixels.len()).map(one).collect()
+    (0..evidence.sample.pixels.len()).map(one).collect()
 }
 
 /// Objects of which the median ratio is further than `dispersion` from the median of all the
@@ -157,7 +158,7 @@ fn dispersed_objects(
     dispersion: f64,
 ) -> BTreeSet<u32> {
     let mut objects: BTreeMap<u32, Vec<f32>> = BTreeMap::new();
-    for (pixel, ratio) in evidence.pixels.iter().zip(ratios) {
+    for (pixel, ratio) in evidence.sample.pixels.iter().zip(ratios) {
         objects.entry(geometry.pixels()[pixel.pixel as usize].object).or_default().push(*ratio);
     }
     let medians: BTreeMap<u32, f32> =

@@ -1,77 +1,82 @@
 //! The last picture: the photograph's view rendered with the results, and each group's error in it.
 
 use crate::group_error::GroupError;
+use crate::guess::Guess;
 use crate::hypothesis::{Fit, Hypothesis};
 use crate::problem::{Options, Role};
-use crate::record::{Alternative, GroupResult, Observer, Recovery, Status, Termination};
+use crate::progress::Progress;
+use crate::record::{Alternative, GroupResult, Recovery, Status, Termination};
 use crate::schedule::Phase;
-use crate::state::State;
+use crate::streams::Stream;
 use glam::Vec3;
 use std::ops::Range;
-use unrender_render::sampler::mix;
-use unrender_render::{NOTHING, Settings};
+use unrender_render::{Integrator, NOTHING, Settings};
 use unrender_scene::color::luminance;
 use unrender_scene::{Image, Rgb, RgbImage};
 
 /// Renders the last picture and gathers the results.
 pub(crate) fn finish(
-    state: State<'_>,
+    guess: Guess<'_>,
     options: &Options,
     termination: Termination,
-    observer: &dyn Observer,
+    progress: Progress<'_>,
 ) -> Recovery {
-    let halves = render_twice(&state, options, observer);
+    let halves = render_twice(&guess, options, &progress);
     let by_more = (termination != Termination::Interrupted).then_some(options);
-    let error = |group: usize| GroupError::of(&state, group, &halves, by_more);
-    let errors: Vec<GroupError> = (0..state.materials.len()).map(error).collect();
+    let error = |group: usize| GroupError::of(&guess, group, &halves, by_more);
+    let errors: Vec<GroupError> = (0..guess.materials.len()).map(error).collect();
     let whole = errors.iter().map(|error| error.measured.error.max(0.0)).sum();
-    let groups = errors.iter().enumerate().map(|(g, error)| group_result(&state, g, error, whole));
+    let groups = errors.iter().enumerate().map(|(group, error)| {
+        let decisions = progress.decisions.iter().filter(|(of, _)| *of == group);
+        let decisions = decisions.map(|(_, decision)| decision.clone()).collect();
+        GroupResult { decisions, ..group_result(&guess, group, error, whole) }
+    });
     let groups = groups.collect();
     let mean = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
-    let noise = noise(&state, &halves);
-    let geometry = state.problem.renderer.geometry();
+    let noise = noise(&guess, &halves);
+    let geometry = guess.problem.renderer.geometry();
     Recovery {
         groups,
-        exposure: state.exposure,
-        exposure_std: state.exposure_std,
-        covariance: state.covariance,
-        lights: state.light_results,
-        photometric: state.photometric,
+        exposure: guess.exposure,
+        exposure_std: guess.exposure_std,
+        covariance: guess.covariance,
+        lights: guess.light_results,
+        photometric: guess.photometric,
         noise,
         rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
-        status: state.observation.status,
-        iterations: state.iterations,
+        status: guess.observation.status.clone(),
+        iterations: progress.iterations,
         termination,
     }
 }
 
 /// Two pictures with half of the paths each, so that their noise can be separated from the error.
-fn render_twice(state: &State<'_>, options: &Options, observer: &dyn Observer) -> [Vec<Rgb>; 2] {
-    let Range { start, end } = state.schedule.of_phase(Phase::Picture);
+fn render_twice(guess: &Guess<'_>, options: &Options, progress: &Progress<'_>) -> [Vec<Rgb>; 2] {
+    let Range { start, end } = progress.of_phase(Phase::Picture);
+    let observer = progress.observer();
     let spp = options.spp.div_ceil(2).max(1);
     [0, 1].map(|half| {
-        let seed = mix(options.seed ^ 0x5EED).wrapping_add(half);
+        let seed = Stream::LastPicture.seed(options.seed).wrapping_add(half);
         let settings = Settings {
-            first: 0,
-            together: unrender_render::settings::TOGETHER,
             spp,
             seed,
             max_bounces: options.max_bounces,
-            integrator: unrender_render::Integrator::PathReuse,
+            integrator: Integrator::PathReuse,
+            ..Settings::default()
         };
         let progress = |share: f64| {
             let done = start + (end - start) * (half as f64 + share) / 2.0;
             observer.working("rendering the last picture", done);
         };
-        state.problem.renderer.picture(state.appearance(), &settings, &progress)
+        guess.problem.renderer.picture(guess.appearance(), &settings, &progress)
     })
 }
 
 /// The result of a group, of which `whole` is the squared error of all groups.
-fn group_result(state: &State<'_>, group: usize, error: &GroupError, whole: f64) -> GroupResult {
-    let spec = &state.problem.groups[group];
-    let of_group = &state.groups[group];
-    let observation = &state.observation;
+fn group_result(guess: &Guess<'_>, group: usize, error: &GroupError, whole: f64) -> GroupResult {
+    let spec = &guess.problem.groups[group];
+    let of_group = &guess.groups[group];
+    let observation = &guess.observation;
     let valid = &observation.pixels_of_group[group];
     // What no pixel shows is recovered only if its standard deviations were found small enough.
     let is_guess =
@@ -84,28 +89,29 @@ fn group_result(state: &State<'_>, group: usize, error: &GroupError, whole: f64)
     ];
     let doubt = doubts.into_iter().flatten().reduce(joined).filter(|_| status == Status::Recovered);
     let assumed = || {
-        let is_unseen = state.materials[group] == spec.unseen();
-        let guess = "a guess from the light that it sends to the others";
+        let is_unseen = guess.materials[group] == spec.unseen();
+        let from_light = "a guess from the light that it sends to the others";
         let taken = format!("taken as {}", spec.unseen_in_words());
-        format!("{}: {}", state.why_unseen(group), if is_unseen { &taken } else { guess })
+        format!("{}: {}", guess.why_unseen(group), if is_unseen { &taken } else { from_light })
     };
     let note = of_group.note.clone().or_else(|| (status == Status::Assumed).then(assumed));
-    let notes = [doubt.clone(), note, on_bounds(state, group)];
+    let notes = [doubt.clone(), note, on_bounds(guess, group)];
     let note = notes.into_iter().flatten().reduce(joined);
     GroupResult {
         name: spec.name.clone(),
         status: if doubt.is_some() { Status::Doubtful } else { status },
         hypothesis: of_group.hypothesis,
-        material: state.materials[group].clone(),
+        material: guess.materials[group].clone(),
         std: of_group.std,
         alternatives: of_group.alternatives.iter().map(alternative).collect(),
-        direction: direction(state, group),
+        direction: direction(guess, group),
         seen_texels: of_group.seen_texels.clone(),
         pixels: observation.all_pixels_of_group[group].len(),
         valid_pixels: valid.len(),
         error: error.measured.relative(),
         error_share: error.measured.share_of(whole),
         selection_log: of_group.selection_log.clone(),
+        decisions: Vec::new(),
         note,
     }
 }
@@ -123,13 +129,13 @@ fn undecided(present: Hypothesis, open: &[Hypothesis]) -> Option<String> {
 }
 
 /// Which of an unknown group's numbers lie on bounds of the project, if any do.
-fn on_bounds(state: &State<'_>, group: usize) -> Option<String> {
-    let spec = &state.problem.groups[group];
-    let of_group = &state.groups[group];
+fn on_bounds(guess: &Guess<'_>, group: usize) -> Option<String> {
+    let spec = &guess.problem.groups[group];
+    let of_group = &guess.groups[group];
     if spec.role != Role::Unknown || of_group.status != Status::Recovered {
         return None;
     }
-    let touched = spec.expected.touched(of_group.hypothesis, &state.materials[group]);
+    let touched = spec.expected.touched(of_group.hypothesis, &guess.materials[group]);
     let said = touched.join(", ");
     let of_std = if of_group.std.is_some() { ", which std leaves out" } else { "" };
     (!said.is_empty()).then(|| format!("{said}{of_std}"))
@@ -143,8 +149,8 @@ fn alternative(fit: &Fit) -> Alternative {
 /// The standard deviation that noise gives the luminance of photograph minus re-rendering: the
 /// photograph's own variance, and that of the mean of both halves, `(A - B)^2 / 4` on the mean over
 /// the neighbours of a pixel.
-fn noise(state: &State<'_>, halves: &[Vec<Rgb>; 2]) -> Image<f32> {
-    let geometry = state.problem.renderer.geometry();
+fn noise(guess: &Guess<'_>, halves: &[Vec<Rgb>; 2]) -> Image<f32> {
+    let geometry = guess.problem.renderer.geometry();
     let weights = Rgb::new(luminance(Rgb::X), luminance(Rgb::Y), luminance(Rgb::Z));
     let of_rendering = |at: usize| luminance(halves[0][at] - halves[1][at]).powi(2) / 4.0;
     let one = |at: usize| {
@@ -152,7 +158,7 @@ fn noise(state: &State<'_>, halves: &[Vec<Rgb>; 2]) -> Image<f32> {
         if group == NOTHING {
             return 0.0;
         }
-        let noise = state.observation.noise(group as usize, at as u32, state.exposure);
+        let noise = guess.observation.noise(group as usize, at as u32, guess.exposure);
         let of_photo = noise.variance(0.5 * (halves[0][at] + halves[1][at]));
         let of_photo = (of_photo * weights * weights).element_sum();
         let neighbours: Vec<f32> = geometry.neighbourhood(at).map(of_rendering).collect();
@@ -164,12 +170,12 @@ fn noise(state: &State<'_>, halves: &[Vec<Rgb>; 2]) -> Image<f32> {
 }
 
 /// The anisotropy direction at the middle one of the group's valid pixels, world space.
-fn direction(state: &State<'_>, group: usize) -> Option<Vec3> {
-    let valid = &state.observation.pixels_of_group[group];
+fn direction(guess: &Guess<'_>, group: usize) -> Option<Vec3> {
+    let valid = &guess.observation.pixels_of_group[group];
     let middle = *valid.get(valid.len() / 2)?;
-    let at = state.problem.renderer.geometry().pixels()[middle as usize];
+    let at = guess.problem.renderer.geometry().pixels()[middle as usize];
     let front_normal = if at.front { at.normal } else { -at.normal };
-    let (sin, cos) = state.materials[group].theta_rad.sin_cos();
+    let (sin, cos) = guess.materials[group].theta_rad.sin_cos();
     Some(at.tangent * cos + front_normal.cross(at.tangent) * sin)
 }
 

@@ -3,9 +3,9 @@
 use crate::effort::Effort;
 use crate::expected::Expected;
 use crate::hypothesis::textured::Detail;
-use crate::observation::Observation;
-use crate::photometric::PhotometricParameter;
-use crate::rerender::Renderer;
+use crate::observe::observation::Observation;
+use crate::observe::photometric::PhotometricParameter;
+use unrender_render::Renderer;
 use unrender_scene::{Group, Hypothesis, Material, Rgb};
 
 /// Everything that recovery starts from.
@@ -116,7 +116,7 @@ impl GroupSpec {
     /// The same in words, after "taken as".
     pub(crate) fn unseen_in_words(&self) -> &'static str {
         let is_white = self.unseen() == Material::diffuse(Rgb::ONE);
-        if is_white { "white diffuse" } else { "its start and bounds state" }
+        if is_white { "white diffuse" } else { "its start and bounds guess" }
     }
 
     /// The hypotheses without a texture that it may have; where there is none, the diffuse one, which
@@ -153,33 +153,9 @@ pub enum ExposureRule {
     },
 }
 
-/// How to climb the ladder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum LadderKind {
-    /// All rungs are fitted and compared on gathered light; the simplest that the noise allows is taken.
-    #[default]
-    Default,
-    /// The paper's method as written: one rung at a time, each tested by re-rendering.
-    Paper,
-}
-
-/// How the paper's ladder finds the anisotropy direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub enum PaperDirection {
-    /// Of 64 sampled directions the one whose re-rendering differs least from the photograph.
-    #[default]
-    Rerender,
-    /// As the text says: read off the difference of the photograph and a mirror.
-    Text,
-}
-
 /// The user's settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Which way to climb.
-    pub ladder: LadderKind,
-    /// How the paper's ladder finds the anisotropy direction.
-    pub paper_direction: PaperDirection,
     /// How much work to spend.
     pub effort: Effort,
     /// When to climb.
@@ -190,10 +166,7 @@ pub struct Options {
     pub spp: u32,
     /// Reflections along a path at most.
     pub max_bounces: u32,
-    /// Global re-renderings of the paper's ladder at most.
-    pub max_iterations: usize,
-    /// Whether all parameters are refined together after the default ladder, with their standard
-    /// deviations.
+    /// Whether all parameters are refined together after the ladder, with their standard deviations.
     pub refine: bool,
     /// Whether pixels that show something that is not in the model are looked for.
     pub outliers: bool,
@@ -204,14 +177,11 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            ladder: LadderKind::Default,
-            paper_direction: PaperDirection::default(),
             effort: Effort::default(),
             thresholds: Thresholds::default(),
             seed: 0,
             spp: Effort::default().last_spp(1),
             max_bounces: unrender_render::path::MAX_BOUNCES,
-            max_iterations: 100,
             refine: true,
             outliers: true,
             force: false,
@@ -234,20 +204,11 @@ pub struct Thresholds {
     /// The paper's lambda (eq. 3): objects whose ratio is further than this from the median of
     /// their group, relatively, do not count.
     pub dispersion: f64,
-    /// With the paper's ladder: the error above which a group leaves each of the rungs diffuse,
-    /// mirror, partial mirror, diffuse-specular, isotropic, anisotropic. The paper states the fifth.
-    pub paper: [f64; 6],
 }
 
 impl Default for Thresholds {
     fn default() -> Self {
-        Self {
-            explained: 0.003,
-            simpler: None,
-            textured: None,
-            dispersion: 0.5,
-            paper: [0.15, 0.15, 0.15, 0.15, 0.01, 0.15],
-        }
+        Self { explained: 0.003, simpler: None, textured: None, dispersion: 0.5 }
     }
 }
 

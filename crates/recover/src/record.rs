@@ -1,14 +1,9 @@
 //! The records of a recovery: everything that tables, reports and files say is a field here.
 
-mod alike;
-mod parts;
-
-pub use parts::ObjectsSeen;
-
+use crate::compare::residual::ResidualStats;
 use crate::hypothesis::Hypothesis;
-use crate::observation::PixelStatus;
-use crate::photometric::PhotometricEstimate;
-use crate::residual::ResidualStats;
+use crate::observe::observation::PixelStatus;
+use crate::observe::photometric::PhotometricEstimate;
 use crate::unknown::Unknown;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -75,6 +70,8 @@ pub struct GroupResult {
     pub error_share: Option<f64>,
     /// The candidates, in the order in which they were tried.
     pub selection_log: Vec<CandidateRecord>,
+    /// The changes of its hypothesis that were considered, in their order.
+    pub decisions: Vec<Decision>,
     /// What the user should know about it.
     pub note: Option<String>,
 }
@@ -147,6 +144,87 @@ pub struct CandidateRecord {
     pub accepted: bool,
 }
 
+/// What a rule said of a change of a group's hypothesis.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Decision {
+    /// The number of global re-renderings before it.
+    pub iteration: usize,
+    /// The present hypothesis of the group.
+    pub from: Hypothesis,
+    /// The other one.
+    pub to: Hypothesis,
+    /// The squared residuals under `to` less those under `from`, in units of their covariance: below zero where `to`
+    /// explains the photograph better. Zero where the rule compares none.
+    pub difference: f64,
+    /// The standard deviation of the difference.
+    pub deviation: f64,
+    /// By how much the difference has to be below zero for the additional numbers of `to`.
+    pub price: f64,
+    /// Paths a pixel, in each of two renderings, that this rests on; zero where pixels have different numbers of them.
+    pub paths: u32,
+    /// Whether the rule accepts the change, which is made if that rule is the last one ([`Rule::is_last`]).
+    pub accepted: bool,
+    /// By which rule.
+    pub rule: Rule,
+}
+
+impl Decision {
+    /// Whether the change was made by it.
+    pub fn is_made(&self) -> bool {
+        self.accepted && self.rule.is_last()
+    }
+}
+
+/// The rules that decide over a change of a hypothesis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Rule {
+    /// On samples of the light that arrives at the group's pixels: the simplest hypothesis that no other beats by two
+    /// standard deviations is proposed, if it is another one. Where none is, `to` is the one that came nearest.
+    LightSamples,
+    /// The group's own pixels, re-rendered, have to support more numbers: gain the price, or at least not be wrong.
+    OwnPixels,
+    /// The other groups' pixels have to gain the price and two standard deviations: a specular part of this group lights
+    /// them.
+    OtherGroups,
+    /// The whole picture, re-rendered with all the changes that are tried together, must not be explained worse by three
+    /// standard deviations.
+    Picture,
+    /// The whole picture has to be explained better by three standard deviations, after the groups nearby were asked again.
+    Branch,
+    /// Where its numbers are not significant: the simpler hypothesis has to explain the group as well.
+    Simpler,
+    /// The project allows no other.
+    Project,
+    /// A method other than the default one goes by rules of its own: the paper's by thresholds of the error.
+    Method,
+    /// The refinement or the branch in which it was made was taken back: the whole picture was explained worse after it.
+    TakenBack,
+}
+
+impl Rule {
+    /// Whether what it accepts is made; other rules come before `Picture`.
+    pub fn is_last(self) -> bool {
+        matches!(self, Self::Picture | Self::Branch | Self::Simpler | Self::Project | Self::Method)
+    }
+
+    /// Its name in `run.json`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::LightSamples => "light samples",
+            Self::OwnPixels => "own pixels",
+            Self::Picture => "picture",
+            Self::OtherGroups => "other groups",
+            Self::Branch => "branch",
+            Self::Simpler => "simpler",
+            Self::Project => "project",
+            Self::Method => "method",
+            Self::TakenBack => "taken back",
+        }
+    }
+}
+
 /// One global re-rendering.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -196,7 +274,7 @@ pub enum Termination {
     RefinementLimit,
     /// A step of the refinement could not be solved.
     RefinementFailed,
-    /// The user stopped it; the results are those of the best verified state.
+    /// The user stopped it; the results are those of the best verified guess.
     Interrupted,
 }
 

@@ -6,10 +6,9 @@
 
 use crate::effort::Effort;
 use crate::evidence::SampleBudget;
-use crate::model_error::{Allowance, LightError, ModelError};
+use crate::observe::model_error::{Allowance, LightError, ModelError};
 use crate::problem::Options;
-use crate::rerender::round_lobes;
-use unrender_render::ProbeSettings;
+use unrender_render::{Integrator, ProbeSettings, ProposalLobe, Settings};
 
 /// How well the light is known under which hypotheses are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +57,18 @@ pub(crate) fn is_light_to_spare(level: Level, options: &Options, unknown_lights:
 /// many a highlight's roughness is noisier by about an eighth.
 pub(crate) const TOGETHER: u32 = 16;
 
+/// `spp` independent paths a pixel, by the random numbers of `seed`.
+pub fn paths(spp: u32, seed: u64, options: &Options) -> Settings {
+    Settings {
+        spp,
+        first: 0,
+        together: TOGETHER,
+        seed,
+        max_bounces: options.max_bounces,
+        integrator: Integrator::Path,
+    }
+}
+
 /// Pixels of a diffuse group, and directions for each.
 const DIFFUSE: (usize, u32) = (10_000, 64);
 /// A glossy group's pixels are looked at in so many points each: on a curved surface a sharp lobe
@@ -96,7 +107,7 @@ pub(crate) fn candidates(
         probes_per_pixel: denser * POINTS,
         cosine: effort.samples(CANDIDATE_COSINE),
         per_lobe: effort.samples(CANDIDATE_PER_LOBE),
-        lobes: round_lobes(&CANDIDATE_LOBES),
+        lobes: ProposalLobe::round(&CANDIDATE_LOBES),
         mirror: true,
         keep_incident: true,
         seed: options.seed,

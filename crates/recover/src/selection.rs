@@ -1,39 +1,33 @@
 //! Model selection: the simplest hypothesis whose residual is statistically indistinguishable from
 //! the best.
 //!
-//! A pure step: fits of one group on the same evidence go in, a decision with its numbers comes out.
+//! A pure step: fits of one group on the same evidence go in, a choice with its numbers comes out.
 //! Hypotheses are compared by the Bayesian information criterion [Schwarz 1978]
 //! `IC = (N_eff / N) D + p ln N_eff`, with `p` free parameters. `D` is the sum of the squared residuals in
 //! units of their covariance, the same for both of the hypotheses that are compared
-//! ([`crate::contrast`]); `N` is the number of blocks and `N_eff` the number of independent ones among
+//! ([`crate::compare`]); `N` is the number of blocks and `N_eff` the number of independent ones among
 //! them, from the correlation `r` of neighbouring blocks' residuals under the best hypothesis:
 //! `N_eff = N ((1 - r) / (1 + r))^2`.
 //!
 //! Noise is no reason for a more complex one: of two whose difference is within the noise the simpler one is chosen,
 //! and a more complex one never where a simpler one is expected to be better.
 
-use crate::criterion::{Excess, Explained, difference, independent_blocks};
+use crate::compare::{Difference, Explained, STRONG, difference, independent_blocks};
 use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::unknown::Quantity;
 use std::collections::BTreeMap;
 use unrender_scene::Material;
 
-/// Two sets of numbers of one hypothesis explain the evidence equally well up to this difference of their squared
-/// residuals: beyond it the evidence for the better one is strong [Kass and Raftery 1995]. Half of it is called
-/// positive, double of it decisive.
-pub(crate) const STRONG: f64 = 6.0;
-
-/// What was decided for one group, and by which numbers.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub struct Decision {
+/// What was chosen for one group, and by which numbers.
+#[derive(Clone, Debug)]
+pub(crate) struct Choice {
     /// The index of the fit to take.
-    pub chosen: usize,
+    pub(crate) chosen: usize,
     /// For each fit: its information criterion less that of the chosen one.
-    pub excess: Vec<f64>,
+    pub(crate) excess: Vec<Difference>,
     /// The more complex ones that may turn out to be better with less noise of the light, by index.
-    pub open: Vec<usize>,
+    pub(crate) open: Vec<usize>,
 }
 
 impl<'a> Explained<'a> {
@@ -49,17 +43,17 @@ pub(crate) fn parameters(hypothesis: Hypothesis, material: &Material) -> f64 {
 }
 
 /// The comparison of all fits of one group on the same evidence, pair by pair.
-pub struct Comparison<'a> {
+pub(crate) struct Comparison<'a> {
     fits: &'a [Fit],
     evidence: &'a Evidence,
     independent: f64,
     /// The criterion of a fit less that of another, where it was asked for.
-    differences: BTreeMap<(usize, usize), Excess>,
+    differences: BTreeMap<(usize, usize), Difference>,
 }
 
 impl<'a> Comparison<'a> {
     /// For `fits`, of which there is at least one and which go from simple to complex.
-    pub fn new(fits: &'a [Fit], evidence: &'a Evidence) -> Self {
+    pub(crate) fn new(fits: &'a [Fit], evidence: &'a Evidence) -> Self {
         let deviance = |fit: &&Fit| fit.likelihood.deviance;
         let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
         let independent =
@@ -69,7 +63,11 @@ impl<'a> Comparison<'a> {
 
     /// Chooses among the fits that are `allowed`, by index (the first always is): the simplest one that no other
     /// certainly beats. With `simpler`, the simplest is preferred whose error is at most so many times the least.
-    pub fn choose(&mut self, allowed: &dyn Fn(usize) -> bool, simpler: Option<f64>) -> Decision {
+    pub(crate) fn choose(
+        &mut self,
+        allowed: &dyn Fn(usize) -> bool,
+        simpler: Option<f64>,
+    ) -> Choice {
         let competing: Vec<usize> =
             (0..self.fits.len()).filter(|i| *i == 0 || allowed(*i)).collect();
         let errors: Vec<f64> =
@@ -77,14 +75,14 @@ impl<'a> Comparison<'a> {
         let of = |i: usize, j: usize| self.excess(competing[i], competing[j]);
         let (chosen, open) = choose(&errors, simpler, of);
         let (chosen, open) = (competing[chosen], open.into_iter().map(|i| competing[i]).collect());
-        let excess = (0..self.fits.len()).map(|i| self.excess(i, chosen).value).collect();
-        Decision { chosen, excess, open }
+        let excess = (0..self.fits.len()).map(|i| self.excess(i, chosen)).collect();
+        Choice { chosen, excess, open }
     }
 
     /// The information criterion of fit `i` less that of fit `j`, under their common noise.
-    fn excess(&mut self, i: usize, j: usize) -> Excess {
+    fn excess(&mut self, i: usize, j: usize) -> Difference {
         if i == j {
-            return Excess::default();
+            return Difference::default();
         }
         if i > j {
             return -self.excess(j, i);
@@ -97,7 +95,8 @@ impl<'a> Comparison<'a> {
             parameters(a.hypothesis, &a.material) - parameters(b.hypothesis, &b.material);
         let sides = [a, b].map(Explained::by);
         let mut difference = difference(sides, self.evidence, self.independent);
-        difference.value += parameters * self.independent.max(1.0).ln();
+        difference.price = parameters * self.independent.max(1.0).ln();
+        difference.value += difference.price;
         self.differences.insert((i, j), difference);
         difference
     }
@@ -110,7 +109,7 @@ impl<'a> Comparison<'a> {
 pub(crate) fn choose(
     errors: &[f64],
     simpler: Option<f64>,
-    mut excess: impl FnMut(usize, usize) -> Excess,
+    mut excess: impl FnMut(usize, usize) -> Difference,
 ) -> (usize, Vec<usize>) {
     let n = errors.len();
     let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
@@ -140,14 +139,15 @@ pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Excess, choose};
+    use super::{Difference, choose};
 
     /// Chooses among hypotheses with these criteria, where comparisons with the one number `noisy` have a deviation of 30
     /// and others one of 2.
     fn chosen(criteria: &[f64], noisy: usize) -> (usize, Vec<usize>) {
-        let excess = |i: usize, j: usize| Excess {
+        let excess = |i: usize, j: usize| Difference {
             value: criteria[i] - criteria[j],
             deviation: if i == noisy || j == noisy { 30.0 } else { 2.0 },
+            price: 0.0,
         };
         choose(&vec![1.0; criteria.len()], None, excess)
     }

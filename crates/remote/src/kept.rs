@@ -3,7 +3,7 @@
 use super::wire;
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use unrender_render::{Appearance, Parameter, RadianceCache, Settings, StoredPaths};
+use unrender_render::{Query, StoredPaths};
 
 /// The memory that paths may take, bytes. At half of it large pictures trace their paths again in every
 /// step; double is more than workers on small machines have.
@@ -14,18 +14,15 @@ const BUDGET: usize = 1 << 30;
 pub(super) struct Kept(Mutex<VecDeque<(Vec<u8>, Arc<StoredPaths>)>>);
 
 impl Kept {
-    /// The paths of `pixels` for derivatives by `parameters`, drawn from `drawn`: kept ones, or those that `trace`
-    /// finds.
+    /// The paths of `query`: kept ones, or those that `trace` finds.
     pub(super) fn paths(
         &self,
-        drawn: Appearance<'_>,
-        (pixels, parameters): (&[u32], &[Parameter]),
-        settings: &Settings,
-        seen: Option<&RadianceCache>,
+        query: &Query<'_>,
         trace: impl FnOnce() -> StoredPaths,
     ) -> Arc<StoredPaths> {
+        let Query { appearance, pixels, parameters, settings, seen } = *query;
         let valid = seen.map(|seen| &seen.valid);
-        let materials = (drawn.materials, drawn.lights);
+        let materials = (appearance.materials, appearance.lights);
         let name = wire::encode(&(materials, pixels, parameters, settings, valid));
         if let Some((_, paths)) = self.lock().iter().find(|(known, _)| *known == name) {
             return Arc::clone(paths);

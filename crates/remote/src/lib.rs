@@ -35,9 +35,10 @@ use glam::Vec3;
 use std::hash::{DefaultHasher, Hasher};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
-use unrender_recover::rerender::{Renderer, Stored, View};
+use unrender_render::Query;
+use unrender_render::view::{Renderer, Stored, View};
 use unrender_render::{
-    Accumulator, Appearance, GeometryBuffers, Integrator, Jacobian, Parameter, PixelAccumulator,
+    Accumulator, Appearance, GeometryBuffers, Integrator, Jacobian, PixelAccumulator,
     ProbeSettings, Probes, RadianceCache, Settings,
 };
 use unrender_scene::{BrdfModel, Rgb, Scene};
@@ -126,13 +127,8 @@ impl<'a> Remote<'a> {
         (0..ranges).map(move |k| edge(k)..edge(k + 1))
     }
 
-    fn asked_probes(
-        &self,
-        appearance: Appearance<'_>,
-        pixels: &[u32],
-        settings: &ProbeSettings,
-        seen: Option<&RadianceCache>,
-    ) -> Option<Probes> {
+    fn asked_probes(&self, query: &Query<'_, u32, ProbeSettings>) -> Option<Probes> {
+        let Query { appearance, pixels, settings, seen, .. } = *query;
         let request = |tile: &[u32]| Request::Probe(tile.to_vec(), settings.clone());
         let tiles = self.tiles(pixels, PROBES_MIN)?;
         let mut all = Probes::default();
@@ -218,42 +214,21 @@ impl Renderer for Remote<'_> {
         self.view.model()
     }
 
-    fn probe(
-        &self,
-        appearance: Appearance<'_>,
-        pixels: &[u32],
-        settings: &ProbeSettings,
-        seen: Option<&RadianceCache>,
-    ) -> Probes {
-        self.asked_probes(appearance, pixels, settings, seen)
-            .unwrap_or_else(|| self.view.probe(appearance, pixels, settings, seen))
+    fn probe(&self, query: &Query<'_, u32, ProbeSettings>) -> Probes {
+        self.asked_probes(query).unwrap_or_else(|| self.view.probe(query))
     }
 
-    fn jacobian(
-        &self,
-        appearance: Appearance<'_>,
-        pixels: &[(u32, Range<u32>)],
-        parameters: &[Parameter],
-        settings: &Settings,
-        seen: Option<&RadianceCache>,
-    ) -> Jacobian {
+    fn jacobian(&self, query: &Query<'_, (u32, Range<u32>)>) -> Jacobian {
+        let Query { appearance, pixels, parameters, settings, seen } = *query;
         let request = |tile: &[(u32, Range<u32>)]| {
             Request::Jacobian(tile.to_vec(), parameters.to_vec(), *settings)
         };
         self.asked_jacobian((appearance, None), (pixels, parameters.len()), seen, request)
-            .unwrap_or_else(|| self.view.jacobian(appearance, pixels, parameters, settings, seen))
+            .unwrap_or_else(|| self.view.jacobian(query))
     }
 
-    fn store<'s>(
-        &'s self,
-        appearance: Appearance<'_>,
-        pixels: &[u32],
-        parameters: &[Parameter],
-        settings: &Settings,
-        seen: Option<&RadianceCache>,
-    ) -> Box<dyn Stored + 's> {
-        let seen = seen.cloned();
-        Box::new(paths::Paths::new(self, appearance, (pixels, parameters), settings, seen))
+    fn store<'s>(&'s self, query: &Query<'_>) -> Box<dyn Stored + 's> {
+        Box::new(paths::Paths::new(self, query))
     }
 
     fn rerender(

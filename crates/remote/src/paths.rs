@@ -2,7 +2,8 @@
 
 use super::Remote;
 use super::wire::Request;
-use unrender_recover::rerender::{Renderer, Stored};
+use unrender_render::Query;
+use unrender_render::view::{Renderer, Stored};
 use unrender_render::{Appearance, Jacobian, Parameter, RadianceCache, Settings};
 use unrender_scene::{Material, Rgb};
 
@@ -18,16 +19,16 @@ pub(super) struct Paths<'r, 'a> {
 }
 
 impl<'r, 'a> Paths<'r, 'a> {
-    pub(super) fn new(
-        remote: &'r Remote<'a>,
-        drawn: Appearance<'_>,
-        (pixels, parameters): (&[u32], &[Parameter]),
-        settings: &Settings,
-        seen: Option<RadianceCache>,
-    ) -> Self {
-        let (materials, lights) = (drawn.materials.to_vec(), drawn.lights.to_vec());
-        let (pixels, parameters) = (pixels.to_vec(), parameters.to_vec());
-        Self { remote, materials, lights, pixels, parameters, settings: *settings, seen }
+    pub(super) fn new(remote: &'r Remote<'a>, query: &Query<'_>) -> Self {
+        Self {
+            remote,
+            materials: query.appearance.materials.to_vec(),
+            lights: query.appearance.lights.to_vec(),
+            pixels: query.pixels.to_vec(),
+            parameters: query.parameters.to_vec(),
+            settings: *query.settings,
+            seen: query.seen.cloned(),
+        }
     }
 }
 
@@ -44,9 +45,11 @@ impl Stored for Paths<'_, '_> {
         let asked = (self.pixels.as_slice(), parameters.len());
         let found = self.remote.asked_jacobian((appearance, Some(drawn)), asked, seen, request);
         found.unwrap_or_else(|| {
-            let (view, settings) = (&self.remote.view, &self.settings);
-            let traced = (&self.pixels, &self.parameters);
-            let stored = view.store(drawn, traced.0, traced.1, settings, self.seen.as_ref());
+            let stored = self.remote.view.store(&Query {
+                parameters: &self.parameters,
+                seen: self.seen.as_ref(),
+                ..Query::new(drawn, &self.pixels, &self.settings)
+            });
             stored.replay(appearance, parameters, seen)
         })
     }

@@ -3,7 +3,8 @@
 use super::kept::Kept;
 use super::wire::{self, Appearances, Request, Setup};
 use std::sync::{Arc, Mutex, PoisonError};
-use unrender_recover::rerender::{Renderer, View};
+use unrender_render::Query;
+use unrender_render::view::{Renderer, View};
 use unrender_render::{Appearance, RadianceCache};
 use unrender_scene::{Material, Rgb, SceneError};
 
@@ -67,19 +68,21 @@ impl Worker {
         Some(match wire::decode(request)? {
             Request::Probe(pixels, settings) => {
                 self.check(&pixels)?;
-                wire::encode(&view.probe(appearance, &pixels, &settings, seen))
+                wire::encode(
+                    &view.probe(&Query { seen, ..Query::new(appearance, &pixels, &settings) }),
+                )
             }
             Request::Jacobian(pixels, parameters, settings) => {
                 self.check(&pixels.iter().map(|(pixel, _)| *pixel).collect::<Vec<u32>>())?;
-                let found = view.jacobian(appearance, &pixels, &parameters, &settings, seen);
-                wire::encode(&found)
+                let query = Query::new(appearance, &pixels, &settings);
+                wire::encode(&view.jacobian(&Query { parameters: &parameters, seen, ..query }))
             }
             Request::Replay(pixels, [traced, parameters], settings) => {
                 self.check(&pixels)?;
                 let drawn = drawn.as_ref().and_then(|drawn| self.appearance(drawn))?;
-                let asked = (pixels.as_slice(), traced.as_slice());
-                let trace = || view.paths(drawn, asked.0, asked.1, &settings, seen);
-                let paths = self.kept.paths(drawn, asked, &settings, seen, trace);
+                let query = Query::new(drawn, pixels.as_slice(), &settings);
+                let query = Query { parameters: &traced, seen, ..query };
+                let paths = self.kept.paths(&query, || view.paths(&query));
                 let found = view.replay(&paths, appearance, &parameters, seen);
                 wire::encode(&found)
             }

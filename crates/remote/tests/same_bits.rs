@@ -5,9 +5,10 @@ use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use unrender_paper::Paper;
 use unrender_recover::{
-    Effort, Expected, ExposureRule, GroupSpec, Hypothesis, Journal, LadderKind, Observation,
-    Options, Picture, Problem, Recovery, Renderer, Role, View, recover, recover_with,
+    Effort, Expected, ExposureRule, GroupSpec, Hypothesis, Journal, Observation, Options, Picture,
+    Problem, RecoverError, Recovery, Renderer, Role, View, recover, recover_with,
 };
 use unrender_remote::{Remote, Shared, Worker, Workers};
 use unrender_render::{Settings, Tracer};
@@ -80,6 +81,11 @@ fn camera() -> Camera {
 /// The result of `solve` for the problem of a photograph of the scene: a checkerboard hangs on the wall, and the
 /// exposure is not known.
 fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
+    of_rungs(role_of_floor, &Hypothesis::ALL, solve)
+}
+
+/// The same where the unknown groups may have these hypotheses.
+fn of_rungs<T>(role_of_floor: Role, rungs: &[Hypothesis], solve: impl Fn(&Problem<'_>) -> T) -> T {
     let scene = scene();
     let tracer = Tracer::new(&scene);
     let camera = camera();
@@ -106,7 +112,7 @@ fn solved<T>(role_of_floor: Role, solve: impl Fn(&Problem<'_>) -> T) -> T {
             _ => Role::Unknown,
         },
         material: of_scene.material.clone(),
-        rungs: Hypothesis::ALL.to_vec(),
+        rungs: rungs.to_vec(),
         expected: Expected::default(),
     };
     let rho_d = Rgb::new(0.5, 0.3, 0.2);
@@ -162,12 +168,17 @@ fn kind(record: &[u8]) -> String {
     String::from_utf8_lossy(&record[1..1 + usize::from(record[0])]).into_owned()
 }
 
-/// Cuts a recovery off after some of its steps, and lets it go on. Returns the kinds of its steps.
-fn goes_on(role_of_floor: Role, options: &Options) -> BTreeSet<String> {
-    solved(role_of_floor, |problem| {
-        let alone = bits(&recover(problem, options, &mut ()).unwrap());
+/// Cuts a recovery by `method` off after some of its steps, and lets it go on, where the unknown groups may have these
+/// `rungs`. Returns the kinds of its steps.
+fn goes_on(
+    role_of_floor: Role,
+    rungs: &[Hypothesis],
+    method: impl Fn(&Problem<'_>, Option<&dyn Journal>) -> Result<Recovery, RecoverError>,
+) -> BTreeSet<String> {
+    of_rungs(role_of_floor, rungs, |problem| {
+        let alone = bits(&method(problem, None).unwrap());
         let journal = Memory::new(&[]);
-        let kept = bits(&recover_with(problem, options, &mut (), &journal).unwrap());
+        let kept = bits(&method(problem, Some(&journal)).unwrap());
         assert_eq!(kept, alone, "keeping a journal changes nothing");
         let records = journal.into_records();
         let kinds: Vec<String> = records.iter().map(|record| kind(record)).collect();
@@ -178,12 +189,22 @@ fn goes_on(role_of_floor: Role, options: &Options) -> BTreeSet<String> {
             firsts.map(first).chain([records.len() / 2, records.len()]).collect();
         for cut in cuts {
             let journal = Memory::new(&records[..cut]);
-            let again = bits(&recover_with(problem, options, &mut (), &journal).unwrap());
+            let again = bits(&method(problem, Some(&journal)).unwrap());
             assert!(again == alone, "cut off after step {cut}, {}", kinds[cut - 1]);
             assert!(journal.into_records() == records, "cut off after step {cut}");
         }
         kinds.into_iter().collect()
     })
+}
+
+/// The default method.
+fn by(
+    options: &Options,
+) -> impl Fn(&Problem<'_>, Option<&dyn Journal>) -> Result<Recovery, RecoverError> {
+    |problem, journal| match journal {
+        Some(journal) => recover_with(problem, options, &mut (), journal),
+        None => recover(problem, options, &mut ()),
+    }
 }
 
 #[test]
@@ -204,20 +225,32 @@ fn threads_change_no_bit() {
 #[test]
 fn a_recovery_goes_on_to_the_same_bits() {
     let options = Options { effort: Effort::Draft, spp: 4, ..Options::default() };
-    let kinds = goes_on(Role::Unknown, &options);
-    for kind in ["candidates", "verification", "pass", "textures", "other minima"] {
+    let kinds = goes_on(Role::Unknown, &Hypothesis::ALL, by(&options));
+    for kind in
+        ["candidates", "verification", "own verification", "pass", "texture", "other minima"]
+    {
         assert!(kinds.contains(kind), "{kind}: {kinds:?}");
     }
+}
+
+#[test]
+fn so_does_one_of_the_usual_effort_in_which_the_wall_stays_unexplained() {
+    let options = Options { effort: Effort::Normal, spp: 4, ..Options::default() };
+    let rungs = [Hypothesis::Diffuse, Hypothesis::Isotropic];
+    let kinds = goes_on(Role::Unknown, &rungs, by(&options));
+    assert!(kinds.contains("score test"), "{kinds:?}");
 }
 
 #[test]
 fn so_do_one_by_an_anchor_and_the_papers_ladder() {
     let effort = Effort::Draft;
     let options = Options { effort, spp: 2, refine: false, ..Options::default() };
-    let kinds = goes_on(Role::Known, &options);
+    let kinds = goes_on(Role::Known, &Hypothesis::ALL, by(&options));
     assert!(kinds.contains("anchor"), "{kinds:?}");
-    let options = Options { ladder: LadderKind::Paper, max_iterations: 16, ..options };
-    let kinds = goes_on(Role::Unknown, &options);
+    let paper = Paper { max_iterations: 16, ..Paper::default() };
+    let kinds = goes_on(Role::Unknown, &Hypothesis::ALL, |problem, journal| {
+        unrender_paper::recover(problem, &options, &paper, &mut (), journal)
+    });
     for kind in ["paper's iteration", "paper's parameters"] {
         assert!(kinds.contains(kind), "{kind}: {kinds:?}");
     }

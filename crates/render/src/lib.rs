@@ -16,6 +16,7 @@
 //!    reflectance can be evaluated there without tracing again (module [`probe`]), lobe after lobe by [`LobeSums`];
 //!  - [`Tracer::jacobian`]: the derivative of the picture by every parameter (module [`jacobian`]);
 //!  - [`Tracer::store`]: paths that are traced once and evaluated under any appearance ([`StoredPaths`]);
+//!  - [`View`] and [`Views`]: one camera, or several, behind the trait [`Renderer`] (module [`view`]);
 //!  - [`Tracer::bright_paths`]: the paths that make a picture noisy, and what happened along each (module [`explain`]).
 //!
 //! Reading order: [`path`] is the light transport; [`surface`] and [`bsdf`] are what a ray hits,
@@ -49,6 +50,7 @@ pub mod lobe_sums;
 pub mod path;
 mod path_reuse;
 pub mod probe;
+pub mod query;
 pub mod radiance_cache;
 pub mod sampler;
 pub mod settings;
@@ -57,6 +59,7 @@ pub mod surface;
 mod test_meshes;
 pub mod tracer;
 mod turn;
+pub mod view;
 mod virtual_lamps;
 
 pub use appearance::Appearance;
@@ -66,9 +69,11 @@ pub use explain::BrightPath;
 pub use features::{FeatureBuffers, PixelFeatures};
 pub use film::{Accumulator, Film, PixelAccumulator};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
-pub use jacobian::{Jacobian, Parameter, StoredPaths};
+pub use jacobian::{Jacobian, StoredPaths};
 pub use lobe_sums::LobeSums;
 pub use probe::{Incident, Mirrored, Probe, ProbeSettings, Probes, ProposalLobe};
+pub use query::{Parameter, Query};
 pub use radiance_cache::RadianceCache;
 pub use settings::{Integrator, Settings};
 pub use tracer::Tracer;
+pub use view::{Renderer, Stored, View, Views};

@@ -26,6 +26,7 @@ use crate::bsdf::{lambert, mirror};
 use crate::camera_sample::camera_ray;
 use crate::guiding::VmfMixture;
 use crate::path::{MAX_BOUNCES, Transport, VisibleLight};
+use crate::query::Query;
 use crate::radiance_cache::CacheLookup;
 use crate::sampler::Sampler;
 use crate::surface::Surface;
@@ -87,6 +88,14 @@ pub struct ProposalLobe {
     pub alpha_y: f32,
     /// The angle of the anisotropy direction from the tangent, radians.
     pub theta_rad: f32,
+}
+
+impl ProposalLobe {
+    /// One lobe for each of `alphas`, as wide in all directions.
+    pub fn round(alphas: &[f32]) -> Vec<Self> {
+        let lobe = |&alpha: &f32| Self { alpha_x: alpha, alpha_y: alpha, theta_rad: 0.0 };
+        alphas.iter().map(lobe).collect()
+    }
 }
 
 /// One surface point behind a pixel.
@@ -162,18 +171,14 @@ impl Probes {
 const CHUNK: usize = 64;
 
 impl Tracer {
-    /// The probes at the surfaces behind `pixels` (indices into a picture of `size`). Paths end at
-    /// surfaces whose radiance is in `cache`.
-    pub fn probe<'a>(
+    /// The probes at the surfaces behind the pixels of `query` (indices into a picture of `size`).
+    pub fn probe(
         &self,
-        appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         size: (usize, usize),
-        pixels: &[u32],
-        settings: &ProbeSettings,
-        cache: Option<CacheLookup<'_>>,
+        query: &Query<'_, u32, ProbeSettings, CacheLookup<'_>>,
     ) -> Probes {
-        let appearance = appearance.into();
+        let Query { appearance, pixels, settings, seen: cache, .. } = *query;
         let gatherer = Gatherer::new(self, appearance, settings, cache);
         let chunks: Vec<Probes> = pixels
             .par_chunks(CHUNK)

@@ -23,6 +23,7 @@ pub mod picture;
 pub mod points;
 pub mod reflectance;
 mod serial;
+pub mod sheet;
 pub mod validate;
 
 pub use camera::Camera;
@@ -39,6 +40,7 @@ pub use mesh::{Mesh, Object};
 pub use picture::{Depth, Merged, Picture, Profile};
 pub use points::Pair;
 pub use reflectance::{Layering, Reflectance};
+pub use sheet::Sheet;
 pub use validate::{SceneError, Warnings};
 
 use glam::{DVec3, Vec3};

@@ -13,10 +13,10 @@ use crate::registered::RegisteredModel;
 use crate::{Error, Job, clear_shapes, readings, registration, same_as};
 use std::ops::Range;
 use std::time::Instant;
+use unrender_paper::Paper;
 use unrender_photo::Exposure;
 use unrender_recover::{
-    IterationRecord, Journal, LadderKind, Observer, Options, Problem, RecoverError, Recovery, Role,
-    Thresholds,
+    IterationRecord, Journal, Observer, Options, Problem, RecoverError, Recovery, Role, Thresholds,
 };
 use unrender_remote::Workers;
 use unrender_render::Tracer;
@@ -34,6 +34,8 @@ const ROUNDS_SHARE: f64 = 0.7;
 pub struct Asked<'a> {
     /// How the materials are estimated.
     pub options: Options,
+    /// The paper's method in place of the default one, with its settings.
+    pub paper: Option<Paper>,
     /// How to register a model that does not fit the photograph.
     pub alignment: Alignment,
     /// The workers that render; if none, this process does, with the same bits.
@@ -106,7 +108,7 @@ fn recover_as_read(
 ) -> Result<Recovered, Error> {
     let options = &asked.options;
     let started = Instant::now();
-    if let Some(seconds) = expected_seconds(job, options) {
+    if let Some(seconds) = expected_seconds(job, asked) {
         follower.expected(seconds);
     }
     follower.working("aligning the model with the photo", 0.0);
@@ -118,8 +120,7 @@ fn recover_as_read(
     let until_registered = started.elapsed().as_secs_f64();
     let numbers = photometric::asked(&job.project);
     let mut begun = 0.0;
-    if !photometric::are_linear(&numbers) && options.refine && options.ladder == LadderKind::Default
-    {
+    if !photometric::are_linear(&numbers) && options.refine && asked.paper.is_none() {
         // A texture would explain any error of a wrong gamma.
         let thresholds = Thresholds { textured: Some(f64::INFINITY), ..options.thresholds };
         let rough = Options { thresholds, spp: 1, ..options.clone() };
@@ -152,6 +153,7 @@ fn recover_as_read(
     let mut recovered = Recovered {
         recovery,
         options: options.clone(),
+        paper: asked.paper,
         photographs,
         registered,
         group_map,
@@ -167,13 +169,13 @@ fn recover_as_read(
 }
 
 /// The seconds that the recovery of `job` takes on two cores; none if it is not known how often it repeats its work.
-fn expected_seconds(job: &Job, options: &Options) -> Option<f64> {
+fn expected_seconds(job: &Job, asked: &Asked<'_>) -> Option<f64> {
     let is_once = photometric::are_linear(&photometric::asked(&job.project));
     let groups = (0..job.scene.groups.len()).map(|group| problem::spec(job, group));
     let unknown = groups.filter(|spec| spec.role == Role::Unknown).count();
     let pixels = (0..job.photographs()).map(|k| job.photo_of(k).radiance.pixels().len()).sum();
-    (is_once && options.ladder == LadderKind::Default)
-        .then(|| unrender_recover::expected_seconds(unknown, pixels, options))
+    (is_once && asked.paper.is_none())
+        .then(|| unrender_recover::expected_seconds(unknown, pixels, &asked.options))
 }
 
 /// Warns of what the photographs of `job` show and a recovery cannot have: surfaces that let light through, and those
@@ -250,9 +252,14 @@ fn recover_once(
     let recover = |problem: &Problem<'_>| {
         let geometry = problem.renderer.geometry();
         let maps = (geometry.map(|pixel| pixel.group), geometry.map(|pixel| pixel.object));
-        let recovery = match asked.journal {
-            Some(journal) => unrender_recover::recover_with(problem, options, stage, journal)?,
-            None => unrender_recover::recover(problem, options, stage)?,
+        let recovery = match (&asked.paper, asked.journal) {
+            (Some(paper), journal) => {
+                unrender_paper::recover(problem, options, paper, stage, journal)?
+            }
+            (None, Some(journal)) => {
+                unrender_recover::recover_with(problem, options, stage, journal)?
+            }
+            (None, None) => unrender_recover::recover(problem, options, stage)?,
         };
         Ok((recovery, maps))
     };

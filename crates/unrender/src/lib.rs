@@ -169,6 +169,7 @@ pub mod score;
 #[cfg(feature = "cli")]
 mod shard;
 mod shot;
+mod sketch;
 mod text_file;
 mod text_table;
 mod toml_values;

@@ -5,13 +5,14 @@ use crate::engine::Follower;
 use crate::interrupt::Pausable;
 use crate::progress::Progress;
 use crate::recovery_journal::RecoveryJournal;
-use unrender_recover::{IterationRecord, LadderKind, Observer};
+use unrender_recover::{IterationRecord, Observer};
 use unrender_scene::Warnings;
 
 /// Passes on the progress of a recovery.
 pub(crate) struct RecoveryProgress<'a> {
     pub(crate) progress: &'a Progress,
-    pub(crate) ladder: LadderKind,
+    /// Whether the recovery is by the paper's method.
+    pub(crate) is_papers: bool,
     /// The share of the recovery in the whole work.
     pub(crate) share: f64,
     pub(crate) pausable: Pausable,
@@ -32,7 +33,7 @@ impl Follower for RecoveryProgress<'_> {
 impl Observer for RecoveryProgress<'_> {
     fn iteration(&mut self, record: &IterationRecord) {
         self.progress.iteration(record);
-        self.progress.say(sentence(record, self.ladder), self.share * record.done);
+        self.progress.say(sentence(record, self.is_papers), self.share * record.done);
     }
 
     fn working(&self, what: &str, done: f64) {
@@ -50,9 +51,9 @@ impl Observer for RecoveryProgress<'_> {
 }
 
 /// The work that `record` ended, in words.
-fn sentence(record: &IterationRecord, ladder: LadderKind) -> String {
+fn sentence(record: &IterationRecord, is_papers: bool) -> String {
     let number = record.iteration;
-    if ladder == LadderKind::Paper {
+    if is_papers {
         let open = match record.open_groups.len() {
             0 => "none".to_owned(),
             n if n <= 4 => record.open_groups.join(", "),

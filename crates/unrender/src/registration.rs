@@ -4,7 +4,8 @@
 use crate::Job;
 use crate::problem::with_problem;
 use crate::registered::RegisteredModel;
-use unrender_recover::{Options, RecoverError, sketch};
+use crate::sketch;
+use unrender_recover::{Options, RecoverError};
 use unrender_register::{Registration, margin};
 use unrender_render::Tracer;
 use unrender_scene::{Camera, Warnings};

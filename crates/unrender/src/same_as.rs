@@ -42,6 +42,7 @@ pub(crate) fn share(project: &Project, results: &mut [GroupResult]) {
             error: None,
             error_share: None,
             selection_log: Vec::new(),
+            decisions: Vec::new(),
             ..results[from].clone()
         };
         results[to] = shared;

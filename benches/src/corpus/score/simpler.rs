@@ -13,7 +13,7 @@
 //! renderers: its root mean square is at most [`ALIKE`] of the group's mean.
 
 use glam::DVec3;
-use unrender::render::{GlossyLobe, ProbeSettings, Probes, ProposalLobe, Tracer};
+use unrender::render::{GlossyLobe, ProbeSettings, Probes, ProposalLobe, Query, Tracer};
 use unrender::scene::{Camera, Rgb, Scene};
 
 /// The difference of the renderers' pictures of one scene, as a share of a group's mean: the mean
@@ -95,7 +95,7 @@ fn probes(seen: &Observed<'_>, pixels: &[u32], seed: u64) -> Probes {
         ..ProbeSettings::default()
     };
     let materials = seen.scene.materials();
-    seen.tracer.probe(&materials, seen.camera, seen.size, pixels, &settings, None)
+    seen.tracer.probe(seen.camera, seen.size, &Query::new(&materials, pixels, &settings))
 }
 
 /// The radiance with the true material at every probe.

@@ -12,7 +12,7 @@
 
 use crate::evidence::Evidence;
 use crate::expected::ParameterBounds;
-use crate::observation::Reading;
+use crate::observe::observation::Reading;
 use std::collections::BTreeMap;
 use unrender_scene::Rgb;
 
@@ -193,7 +193,7 @@ fn sums(
 ) -> (NormalSums, Vec<NormalSums>) {
     let mut values = NormalSums::default();
     let mut bounds: BTreeMap<u32, NormalSums> = BTreeMap::new();
-    for (i, pixel) in evidence.pixels.iter().enumerate() {
+    for (i, pixel) in evidence.sample.pixels.iter().enumerate() {
         let at = |image: &Vec<Rgb>| f64::from(image[i][channel]);
         let (w, b) = (f64::from(pixel.weight[channel]), f64::from(pixel.radiance[channel]));
         let d = [at(&diffuse[0]), at(&diffuse[1])];
@@ -201,8 +201,9 @@ fn sums(
         match pixel.reading {
             Reading::Value => values.add(w, b, d, s),
             Reading::AtLeast => {
-                bounds.entry(evidence.blocks.of_pixel[i]).or_default().add(w, b, d, s);
+                bounds.entry(evidence.sample.blocks.of_pixel[i]).or_default().add(w, b, d, s);
             }
+            Reading::Nothing => {}
         }
     }
     (values, bounds.into_values().collect())

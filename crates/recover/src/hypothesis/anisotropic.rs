@@ -1,9 +1,8 @@
 //! Rung 6, anisotropic Ward: the anisotropy direction, then `alpha_x` and `alpha_y` (section 4.2.5).
 //!
-//! The paper reads the direction off the photograph ([`crate::paper::brushed`]) and keeps it. Here it is
-//! where the search starts, beside a ring of directions (while both alphas are alike the direction hardly matters, so a
-//! single start can reach a wrong minimum); then direction and roughness are refined together by downhill simplex, the
-//! reflectances inside by least squares.
+//! The paper reads the direction off the photograph and keeps it. Here the search starts from a ring of directions (while
+//! both alphas are alike the direction hardly matters, so a single start can reach a wrong minimum); then direction and
+//! roughness are refined together by downhill simplex, the reflectances inside by least squares.
 
 use super::{Fit, Hypothesis, Search};
 use super::{isotropic, roughness};
@@ -29,8 +28,8 @@ const STEP: f64 = 0.04;
 /// Steps of a global and of a local search.
 const STEPS: [u64; 2] = [100, 40];
 
-/// Direction, roughness and reflectances that explain the evidence best. `start` carries the
-/// paper's direction and an isotropic roughness, or with [`Search::Local`] an earlier answer.
+/// Direction, roughness and reflectances that explain the evidence best. `start` carries an
+/// isotropic roughness, or with [`Search::Local`] an earlier answer.
 pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
     let known = [start.alpha_x, start.alpha_y, start.theta_rad];
     let diffuse = evidence.diffuse();
@@ -118,12 +117,10 @@ pub fn canonical([x, y, theta]: [f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::blocks::{Blocks, Grid};
-    use crate::evidence::{Gathered, Observed};
+    use crate::evidence::Gathered;
     use crate::expected::{ParameterBounds, StartValues};
-    use crate::model_error::{Allowance, LightError, LightField, ModelError};
-    use crate::observation::{Noise, Reading};
-    use crate::sheet::Sheet;
+    use crate::observe::model_error::{Allowance, LightError, ModelError};
+    use crate::observe::sample::Sample;
     use glam::Vec3;
     use std::f32::consts::FRAC_1_PI;
     use unrender_render::probe::Incident;
@@ -159,31 +156,18 @@ mod tests {
         let probes = all.clone().map(probe).collect();
         let incident = all.clone().flat_map(|_| lights.iter().copied()).collect();
         let set = Gathered::new(BrdfModel::default(), Probes { probes, incident });
-        let observed = |i: usize| Observed {
-            pixel: i as u32,
-            radiance: Rgb::ZERO,
-            reading: Reading::Value,
-            noise: Noise::NONE,
-            variance: Rgb::splat(1e-4),
-            level: Rgb::ONE,
-            weight: Rgb::ONE,
-        };
-        let pixels: Vec<u32> = all.clone().map(|i| i as u32).collect();
-        let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 3));
         let error = LightError { share: 0.01 };
         let mut evidence = Evidence {
             model: BrdfModel::default(),
-            pixels: all.map(observed).collect(),
+            sample: Sample::square(SIDE, 3, |_| Rgb::ZERO),
             sets: [set.clone(), set],
-            field: LightField::constant(blocks.len(), error),
-            blocks,
             allowance: Allowance { light: error, floor: ModelError { share: 0.003 } },
             least_noise: None,
             expected: Expected::default(),
         };
         let [shown, _] = evidence.lobe(truth[0], truth[1], truth[2]);
         let lit = 0.2 * irradiance * FRAC_1_PI;
-        evidence.pixels.iter_mut().zip(shown).for_each(|(p, s)| p.radiance = lit + 0.3 * s);
+        evidence.sample.pixels.iter_mut().zip(shown).for_each(|(p, s)| p.radiance = lit + 0.3 * s);
         evidence
     }
 

@@ -16,10 +16,10 @@ mod plastic;
 mod roughness;
 pub mod textured;
 
-use crate::block_residuals::BlockResiduals;
+use crate::compare::likelihood::Likelihood;
+use crate::compare::residual::BlockResiduals;
+use crate::compare::residual::{ResidualStats, residual_stats};
 use crate::evidence::Evidence;
-use crate::likelihood::Likelihood;
-use crate::residual::{ResidualStats, residual_stats};
 use crate::unknown::Quantity;
 use serde::{Deserialize, Serialize};
 pub use unrender_scene::Hypothesis;
@@ -145,8 +145,8 @@ fn judged(
     };
     let model = [half(0), half(1)];
     let residuals = BlockResiduals::of(evidence, &model);
-    let likelihood = Likelihood::of(&residuals, &evidence.field, evidence.allowance.floor);
-    let residual = residual_stats(&evidence.pixels, &model);
+    let likelihood = Likelihood::of(&residuals, &evidence.sample.field, evidence.allowance.floor);
+    let residual = residual_stats(&evidence.sample.pixels, &model);
     Fit { hypothesis, material, residual, residuals, likelihood }
 }
 

@@ -6,7 +6,7 @@
 
 use super::roughness::{STEPS, anywhere, downhill_by};
 use super::{Fit, Hypothesis, Search, judged};
-use crate::criterion::{Explained, difference, independent_blocks};
+use crate::compare::{Explained, difference, independent_blocks};
 use crate::evidence::Evidence;
 use crate::fit::linear::{self, Terms};
 use unrender_scene::reflectance::IOR;

@@ -1,9 +1,10 @@
 //! Searches over the roughness of a lobe: from everywhere, and downhill from where one is known.
 
 use super::Fit;
+use crate::compare::STRONG;
+use crate::compare::likelihood::Likelihood;
 use crate::evidence::Evidence;
 use crate::fit::simplex;
-use crate::likelihood::Likelihood;
 use rayon::prelude::*;
 
 /// The steps of the global search: each about 1.6 times the one before.
@@ -26,16 +27,11 @@ pub(super) fn anywhere(evidence: &Evidence, deviance: &(dyn Fn(f32) -> f64 + Syn
     preferred(downhill(best), evidence.expected.start.alpha_x.map(downhill))
 }
 
-/// The usual minimum takes the place of the one that the user's start leads to if its deviance is lower by
-/// this, which is strong evidence [Kass and Raftery 1995]. At half of it noise overrules the user, at double a
-/// start that is wrong stays.
-const STRONGER: f64 = 6.0;
-
-/// The minimum that the user's start leads to, unless the `usual` one is strongly more likely; both with
+/// The minimum that the user's start leads to, unless the evidence for the `usual` one is [`STRONG`]; both with
 /// their deviances.
 pub(super) fn preferred<T>(usual: (f64, T), started: Option<(f64, T)>) -> T {
     match started {
-        Some(started) if started.0 <= usual.0 + STRONGER => started.1,
+        Some(started) if started.0 <= usual.0 + STRONG => started.1,
         _ => usual.1,
     }
 }
@@ -53,7 +49,7 @@ pub(super) fn downhill_by(
 ) -> Vec<f64> {
     let Likelihood { light, error, .. } = fitted(first).likelihood;
     let cost = |p: &[f64]| {
-        Likelihood::given(&fitted(p).residuals, &evidence.field, (light, error)).deviance
+        Likelihood::given(&fitted(p).residuals, &evidence.sample.field, (light, error)).deviance
     };
     simplex::minimise(cost, first, size, SETTLED, steps).0
 }

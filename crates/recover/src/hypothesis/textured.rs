@@ -17,7 +17,8 @@ mod detailed;
 
 pub use detailed::Detail;
 
-use crate::evidence::{Evidence, Observed, SampleBudget, Stage};
+use crate::evidence::{Evidence, SampleBudget};
+use crate::observe::sample::{Observed, Stage};
 use glam::{DVec3, Vec2};
 use std::sync::Arc;
 use unrender_render::{Appearance, GeometryBuffers};
@@ -62,11 +63,11 @@ pub fn extract(
         let [a, b] = [diffuse[0][i], diffuse[1][i]];
         Lit { sets: [a, b], shine: specular.rho_s * 0.5 * (shine[0][i] + shine[1][i]) }
     };
-    let light: Vec<Lit> = (0..evidence.pixels.len()).map(light).collect();
+    let light: Vec<Lit> = (0..evidence.sample.pixels.len()).map(light).collect();
     let samples = match detail {
         Some(detail) => detailed::samples((stage, detail), group, &evidence, &light),
         None => {
-            let pixels = evidence.pixels.iter().zip(&light);
+            let pixels = evidence.sample.pixels.iter().zip(&light);
             let one = |(pixel, light): (&Observed, &Lit)| {
                 TexelSample::new(geometry.pixels()[pixel.pixel as usize].uv, pixel.radiance, light)
             };
@@ -157,7 +158,7 @@ fn noise([a, b]: &[Vec<Rgb>; 2]) -> f32 {
 fn deviation(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], side: usize) -> Rgb {
     let of_photograph = (side * side) as f32;
     let mut sum = DVec3::ZERO;
-    for (i, pixel) in evidence.pixels.iter().enumerate() {
+    for (i, pixel) in evidence.sample.pixels.iter().enumerate() {
         let [a, b] = [diffuse[0][i], diffuse[1][i]];
         let d = (0.5 * (a + b)).max(Rgb::splat(f32::MIN_POSITIVE));
         let q = pixel.radiance / d;
@@ -166,7 +167,7 @@ fn deviation(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], side: usize) -> Rgb {
         // A texel in the dark says nothing of the others.
         sum += variance.min(Rgb::ONE).as_dvec3();
     }
-    let n = evidence.pixels.len().max(1) as f64 * f64::from(PIXELS_PER_TEXEL.powi(2));
+    let n = evidence.sample.pixels.len().max(1) as f64 * f64::from(PIXELS_PER_TEXEL.powi(2));
     (sum / n).map(f64::sqrt).as_vec3()
 }
 
@@ -193,7 +194,7 @@ pub fn rebalance(
 /// The index in `evidence` of every pixel; `u32::MAX` where it has none.
 fn places(geometry: &GeometryBuffers, evidence: &Evidence) -> Vec<u32> {
     let mut place = vec![u32::MAX; geometry.pixels().len()];
-    for (i, pixel) in evidence.pixels.iter().enumerate() {
+    for (i, pixel) in evidence.sample.pixels.iter().enumerate() {
         place[pixel.pixel as usize] = i as u32;
     }
     place
@@ -212,7 +213,7 @@ fn smoothed(geometry: &GeometryBuffers, evidence: &Evidence, d: [Vec<Rgb>; 2]) -
                 .fold((Rgb::ZERO, 0.0), |(sum, count), v| (sum + *v, count + 1.0));
             sum / f32::max(count, 1.0)
         };
-        evidence.pixels.iter().map(|p| mean(p.pixel)).collect()
+        evidence.sample.pixels.iter().map(|p| mean(p.pixel)).collect()
     })
 }
 

@@ -8,9 +8,9 @@
 
 use super::proposal::Proposal;
 use super::unexplained;
+use crate::guess::Guess;
 use crate::hypothesis::Hypothesis;
-use crate::model_error::ModelError;
-use crate::state::State;
+use crate::observe::model_error::ModelError;
 
 /// The kinds of uniform hypotheses, by their specular part: none, a mirror, a lobe with a width.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,25 +37,25 @@ impl Kind {
 /// The hypothesis of another kind that came nearest to the present one, for the group that leaves most of the picture
 /// unexplained beyond what is `allowed` for ([`unexplained`]); not those of `tried`.
 pub(crate) fn next(
-    state: &State<'_>,
+    guess: &Guess<'_>,
     allowed: ModelError,
     tried: &[(usize, Kind)],
 ) -> Option<Proposal> {
-    let unexplained = unexplained::groups(state, allowed).into_iter();
+    let unexplained = unexplained::groups(guess, allowed).into_iter();
     let mut groups =
-        unexplained.filter(|group| Kind::of(state.groups[*group].hypothesis).is_some());
-    groups.find_map(|group| other_kind(state, group, tried))
+        unexplained.filter(|group| Kind::of(guess.groups[*group].hypothesis).is_some());
+    groups.find_map(|group| other_kind(guess, group, tried))
 }
 
 /// The nearest hypothesis of `group` of a kind that is neither its own nor was tried.
-fn other_kind(state: &State<'_>, group: usize, tried: &[(usize, Kind)]) -> Option<Proposal> {
-    let of_group = &state.groups[group];
+fn other_kind(guess: &Guess<'_>, group: usize, tried: &[(usize, Kind)]) -> Option<Proposal> {
+    let of_group = &guess.groups[group];
     let own = Kind::of(of_group.hypothesis);
     let is_new = |kind: Kind| Some(kind) != own && !tried.contains(&(group, kind));
     let is_allowed = |hypothesis| {
-        state.problem.groups[group].allows(hypothesis) && Kind::of(hypothesis).is_some_and(is_new)
+        guess.problem.groups[group].allows(hypothesis) && Kind::of(hypothesis).is_some_and(is_new)
     };
     let last = of_group.last_candidates().filter(|record| is_allowed(record.hypothesis));
     let nearest = last.min_by(|a, b| a.criterion.total_cmp(&b.criterion))?;
-    Some(Proposal::of_record(state, group, nearest))
+    Some(Proposal::of_record(guess, group, nearest))
 }

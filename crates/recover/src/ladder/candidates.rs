@@ -9,15 +9,19 @@
 use super::compared::{Asking, Compared, Fitted, decide, is_explained};
 use super::evidence_pair::{EvidencePair, Fits, Gathering};
 use super::proposal::{Proposal, added};
-use super::textures;
+use super::textures::{self, Textured};
+use crate::compare::Difference;
+use crate::compare::Measured;
+use crate::guess::{GroupGuess, Guess};
 use crate::hypothesis::{Fit, Hypothesis};
-use crate::model_error::{Allowance, ModelError};
+use crate::observe::model_error::{Allowance, ModelError};
 use crate::others::{MIDDLE, error_of_others, left_by_others, light_of_others};
 use crate::outliers;
 use crate::problem::Options;
-use crate::record::{CandidateRecord, Observer, Status};
+use crate::progress::Progress;
+use crate::record::{CandidateRecord, Rule, Status};
 use crate::sample_budget::{self, Level};
-use crate::state::State;
+use serde::{Deserialize, Serialize};
 
 /// Of the groups in error, those with at least this share of the worst model error are asked: at
 /// half of it more groups change at once under light that is wrong, at double only the worst does.
@@ -56,8 +60,8 @@ pub(crate) struct Candidates<'o> {
 }
 
 impl<'o> Candidates<'o> {
-    pub(crate) fn new(state: &State<'_>, options: &'o Options) -> Self {
-        let groups = state.materials.len();
+    pub(crate) fn new(guess: &Guess<'_>, options: &'o Options) -> Self {
+        let groups = guess.materials.len();
         Self {
             options,
             asked: vec![0; groups],
@@ -104,42 +108,42 @@ impl<'o> Candidates<'o> {
     }
 
     /// Groups whose hypothesis does not explain the photograph yet.
-    pub(crate) fn open(&self, state: &State<'_>, level: Level) -> Vec<usize> {
+    pub(crate) fn open(&self, guess: &Guess<'_>, level: Level) -> Vec<usize> {
         let allowed = sample_budget::allowance(level, self.options);
         let is_open = |g: &usize| {
-            let of_group = &state.groups[*g];
+            let of_group = &guess.groups[*g];
             of_group.hypothesis != Hypothesis::Textured
                 && of_group.likelihood.is_none_or(|l| {
                     l.error.share > CLEARLY * allowed.floor.share
                         || l.light.share > CLEARLY * allowed.light.share
                 })
         };
-        state.visible_unknowns().into_iter().filter(is_open).collect()
+        guess.visible_unknowns().into_iter().filter(is_open).collect()
     }
 
     /// Other hypotheses for the groups in error, the worst ones among those that were not asked at
     /// this level in their present light.
     pub(crate) fn propose_worst(
         &mut self,
-        state: &mut State<'_>,
+        guess: &mut Guess<'_>,
         level: Level,
-        observer: &dyn Observer,
+        progress: &mut Progress<'_>,
     ) -> Vec<Proposal> {
         loop {
-            let open = self.open(state, level);
+            let open = self.open(guess, level);
             let climbed = |g: &usize| {
-                let hypothesis = state.groups[*g].hypothesis;
+                let hypothesis = guess.groups[*g].hypothesis;
                 !matches!(hypothesis, Hypothesis::Diffuse | Hypothesis::Textured)
             };
             let asked = |g: &usize| {
                 let is_new = self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
                 is_new && self.held != Some(*g)
             };
-            let wanted = state.visible_unknowns().into_iter();
+            let wanted = guess.visible_unknowns().into_iter();
             let wanted: Vec<usize> =
                 wanted.filter(|g| open.contains(g) || climbed(g)).filter(asked).collect();
             let error =
-                |g: usize| state.groups[g].likelihood.map_or(f64::INFINITY, |l| l.error.share);
+                |g: usize| guess.groups[g].likelihood.map_or(f64::INFINITY, |l| l.error.share);
             let worst = wanted.iter().map(|g| error(*g)).fold(0.0, f64::max);
             let worst: Vec<usize> =
                 wanted.into_iter().filter(|g| error(*g) >= WORST * worst).collect();
@@ -147,11 +151,10 @@ impl<'o> Candidates<'o> {
                 return Vec::new();
             }
             let mut proposals = Vec::new();
-            let all = state.visible_unknowns().len() as f64;
+            let all = guess.visible_unknowns().len() as f64;
             for group in worst {
                 let asked = self.asked_at.iter().filter(|at| **at == Some(level)).count();
-                tell(state, observer, group, asked as f64 / all);
-                proposals.extend(self.propose(state, group, level));
+                proposals.extend(self.propose(guess, group, level, asked as f64 / all, progress));
             }
             if !proposals.is_empty() {
                 return proposals;
@@ -160,10 +163,10 @@ impl<'o> Candidates<'o> {
     }
 
     /// Forgets why groups have no texture if their refined numbers explain them after all.
-    pub(crate) fn forget_explained(&self, state: &mut State<'_>) {
-        for group in state.visible_unknowns() {
-            let limit = self.textured_above(typical(state, group));
-            let of_group = &mut state.groups[group];
+    pub(crate) fn forget_explained(&self, guess: &mut Guess<'_>) {
+        for group in guess.visible_unknowns() {
+            let limit = self.textured_above(typical(guess, group));
+            let of_group = &mut guess.groups[group];
             if of_group.likelihood.is_some_and(|left| left.error.share <= limit) {
                 of_group.untextured = None;
             }
@@ -175,41 +178,53 @@ impl<'o> Candidates<'o> {
         self.options.thresholds.textured.unwrap_or(TEXTURED * typical)
     }
 
-    /// Gives groups whose hypothesis is not allowed the best one that is, whatever the picture says.
-    pub(crate) fn enforce(&mut self, state: &mut State<'_>, level: Level) {
-        for group in state.visible_unknowns() {
-            if state.problem.groups[group].allows(state.groups[group].hypothesis) {
-                continue;
-            }
-            if let Some(proposal) = self.propose(state, group, level) {
-                proposal.apply(state);
-            }
-        }
+    /// For groups whose hypothesis is not allowed: the best one that is, whatever the picture says.
+    pub(crate) fn allowed(
+        &mut self,
+        guess: &mut Guess<'_>,
+        level: Level,
+        progress: &mut Progress<'_>,
+    ) -> Vec<Proposal> {
+        let is_refused = |g: &usize| !guess.problem.groups[*g].allows(guess.groups[*g].hypothesis);
+        let refused: Vec<usize> = guess.visible_unknowns().into_iter().filter(is_refused).collect();
+        refused
+            .into_iter()
+            .filter_map(|group| self.propose(guess, group, level, 0.0, progress))
+            .collect()
     }
 
-    /// Another hypothesis for `group`; none if the present one stands.
+    /// Another hypothesis for `group`; none if the present one stands. What its candidates came to is noted in `guess`.
     pub(crate) fn propose(
         &mut self,
-        state: &mut State<'_>,
+        guess: &mut Guess<'_>,
         group: usize,
         level: Level,
+        done: f64,
+        progress: &mut Progress<'_>,
     ) -> Option<Proposal> {
+        let name = &guess.problem.groups[group].name;
+        progress.working(&format!("comparing hypotheses for \"{name}\""), done);
         self.asked[group] += 1;
         self.asked_at[group] = Some(level);
-        state.step("candidates", |state| self.ask(state, group, level))
+        let answer = guess.steps.value("candidates", || self.ask(guess, group, level));
+        if let Some((to, measured)) = answer.decision {
+            let from = guess.groups[group].hypothesis;
+            progress.decide(group, [from, to], measured, Rule::LightSamples);
+        }
+        answer.note(&mut guess.groups[group], progress.iterations.len());
+        answer.proposal
     }
 
     /// The proposal that the candidates of `group` lead to.
-    fn ask(&self, state: &mut State<'_>, group: usize, level: Level) -> Option<Proposal> {
-        state.groups[group].untextured = None;
-        let pixels = state.observation.informative_of_group[group].len();
+    fn ask(&self, guess: &Guess<'_>, group: usize, level: Level) -> Answer {
+        let pixels = guess.observation.informative_of_group[group].len();
         let mut budget =
-            sample_budget::candidates(level, self.options, &state.problem.unknown_lights, pixels);
+            sample_budget::candidates(level, self.options, &guess.problem.unknown_lights, pixels);
         // The model may be as wrong here as it is for the other groups.
         let floor = &mut budget.allowance.floor;
-        floor.share = floor.share.max(error_of_others(state, group, MIDDLE));
-        let typical = typical(state, group);
-        let most = light_of_others(state, group);
+        floor.share = floor.share.max(error_of_others(guess, group, MIDDLE));
+        let typical = typical(guess, group);
+        let most = light_of_others(guess, group);
         let by = Gathering { options: self.options, group, most, budget };
         let asking = Asking {
             by,
@@ -219,25 +234,34 @@ impl<'o> Candidates<'o> {
             stands: sample_budget::is_light_to_spare(
                 level,
                 self.options,
-                &state.problem.unknown_lights,
+                &guess.problem.unknown_lights,
             ),
         };
-        let Compared { evidence, fitted, is_other_minimum, is_borne_out } =
-            asking.compare(state)?;
-        log(state, group, &fitted);
-        state.groups[group].undecided = fitted.undecided();
+        let Some(compared) = asking.compare(guess) else { return Answer::default() };
+        let Compared { evidence, fitted, is_other_minimum, is_borne_out } = compared;
+        let mut answer = Answer {
+            candidates: records(&fitted),
+            decision: decision(guess.groups[group].hypothesis, &fitted),
+            undecided: fitted.undecided(),
+            ..Answer::default()
+        };
         let chosen = fitted.chosen().clone();
-        let chain = chain(state, group, &fitted)?;
+        let Some(chain) = chain(guess, group, &fitted) else { return answer };
         let uniform = Proposal { is_other_minimum, is_borne_out, ..chain };
-        if !state.problem.groups[group].allows(chosen.hypothesis) {
-            return self.texture(state, group, &chosen).filter(|texture| texture.moves(state));
-        }
-        let after = self.beyond_uniform(state, group, evidence, (chosen, typical));
-        let is_textured = state.groups[group].hypothesis == Hypothesis::Textured;
-        if uniform.moves(state) && !(is_textured && after.is_some()) {
-            return Some(Proposal { then: after.map(Box::new), ..uniform });
-        }
-        after.filter(|after| after.moves(state))
+        let after = if guess.problem.groups[group].allows(chosen.hypothesis) {
+            self.beyond_uniform(guess, group, evidence, (chosen, typical), &mut answer.untextured)
+        } else {
+            let texture = self.texture(guess, group, &chosen, &mut answer.untextured);
+            answer.proposal = texture.filter(|texture| texture.moves(guess));
+            return answer;
+        };
+        let is_textured = guess.groups[group].hypothesis == Hypothesis::Textured;
+        answer.proposal = if uniform.moves(guess) && !(is_textured && after.is_some()) {
+            Some(Proposal { then: after.map(Box::new), ..uniform })
+        } else {
+            after.filter(|after| after.moves(guess))
+        };
+        answer
     }
 
     /// Proposals for a group that no uniform hypothesis explains: one of these without outliers, and a texture,
@@ -245,10 +269,11 @@ impl<'o> Candidates<'o> {
     /// `typical`.
     fn beyond_uniform(
         &self,
-        state: &mut State<'_>,
+        guess: &Guess<'_>,
         group: usize,
         evidence: EvidencePair,
         (chosen, typical): (Fit, f64),
+        untextured: &mut Option<String>,
     ) -> Option<Proposal> {
         let asked = self.options.thresholds.textured;
         let (limit, textured_above) = (UNEXPLAINED * typical, self.textured_above(typical));
@@ -257,95 +282,93 @@ impl<'o> Candidates<'o> {
             None
         } else {
             // An error of the light as large as that of other groups is no texture.
-            let most = evidence.judging.field.most;
+            let most = evidence.judging.sample.field.most;
             let light =
                 if most.share.is_finite() { most } else { evidence.judging.allowance.light };
             let least = Allowance { light, floor: ModelError { share: TEXTURED * typical } };
             let least = asked.is_none().then_some(least);
-            self.texture(state, group, &chosen).map(|texture| Proposal { least, ..texture })
+            let texture = self.texture(guess, group, &chosen, untextured);
+            texture.map(|texture| Proposal { least, ..texture })
         };
         if !self.options.outliers || is_explained(&chosen, limit, floor) {
             return texture;
         }
-        let left = self.without_outliers(state, group, evidence, chosen, limit);
+        let left = self.without_outliers(guess, group, evidence, chosen, limit);
         match left.filter(|left| is_explained(left.chosen(), asked.unwrap_or(limit), floor)) {
             Some(left) => {
                 let then = texture.map(Box::new);
-                chain(state, group, &left).map(|best| Proposal { then, ..best })
+                chain(guess, group, &left).map(|best| Proposal { then, ..best })
             }
             None => texture,
         }
     }
 
-    /// A texture for a group that `uniform` explains best of the uniform hypotheses. It has no outliers: a
-    /// texture explains every pixel.
-    fn texture(&self, state: &mut State<'_>, group: usize, uniform: &Fit) -> Option<Proposal> {
-        if !self.may_be_textured(state, group) {
+    /// A texture for a group that `uniform` explains best of the uniform hypotheses, or why there is none. It has no
+    /// outliers: a texture explains every pixel.
+    fn texture(
+        &self,
+        guess: &Guess<'_>,
+        group: usize,
+        uniform: &Fit,
+        untextured: &mut Option<String>,
+    ) -> Option<Proposal> {
+        if !self.may_be_textured(guess, group) {
             return None;
         }
-        let valid = state.observation.valid_pixels();
-        state.observation.forget_outliers(group);
-        let material = textures::extract(state, self.options, group, false);
-        state.observation.restore_valid_pixels(&valid);
-        let material = material?;
-        let present = state.groups[group].hypothesis;
+        let mut whole = guess.clone();
+        whole.forget_outliers(group);
+        let extracted = textures::extract(&whole, self.options, group, false);
+        let Textured { material, seen, .. } =
+            extracted.map_err(|why| *untextured = Some(why)).ok()?;
+        let present = guess.groups[group].hypothesis;
         Some(Proposal {
             hypothesis: Hypothesis::Textured,
             is_more_complex: present < Hypothesis::Textured,
-            adds: added(state, group, (Hypothesis::Textured, &material)),
+            adds: added(guess, group, (Hypothesis::Textured, &material)),
             material,
-            ..Proposal::uniform(state, group, uniform, &[], None)
+            seen_texels: Some(seen),
+            ..Proposal::uniform(guess, group, uniform, &[], None)
         })
     }
 
-    fn may_be_textured(&self, state: &State<'_>, group: usize) -> bool {
-        state.problem.groups[group].allows(Hypothesis::Textured)
+    fn may_be_textured(&self, guess: &Guess<'_>, group: usize) -> bool {
+        guess.problem.groups[group].allows(Hypothesis::Textured)
             && !self.rejected[group].contains(&Hypothesis::Textured)
-    }
-
-    /// A uniform hypothesis for a group that is textured, if one explains it after all.
-    pub(crate) fn propose_uniform(
-        &mut self,
-        state: &mut State<'_>,
-        group: usize,
-        level: Level,
-    ) -> Option<Proposal> {
-        let proposal = self.propose(state, group, level)?;
-        (proposal.hypothesis != Hypothesis::Textured).then_some(proposal)
     }
 
     /// The fits to the group without its outliers, if one of them explains it.
     fn without_outliers(
         &self,
-        state: &State<'_>,
+        guess: &Guess<'_>,
         group: usize,
         mut evidence: EvidencePair,
         mut fit: Fit,
         limit: f64,
     ) -> Option<Fitted> {
-        let geometry = state.problem.renderer.geometry();
+        let geometry = guess.problem.renderer.geometry();
         let mut found = Vec::new();
-        let valid = &state.observation.pixels_of_group[group];
-        let height = state.observation.sheet.highest();
-        let side = outliers::cell_side(height, valid.len(), evidence.judging.pixels.len());
+        let valid = &guess.observation.pixels_of_group[group];
+        let height = guess.observation.sheet.highest();
+        let side = outliers::cell_side(height, valid.len(), evidence.judging.sample.pixels.len());
         for _ in 0..OUTLIER_ROUNDS {
             let dispersion = self.options.thresholds.dispersion;
             let flags = outliers::find(&evidence.judging, &fit, geometry, dispersion, side)?;
-            let sampled: Vec<u32> = evidence.judging.pixels.iter().map(|p| p.pixel).collect();
+            let sampled: Vec<u32> =
+                evidence.judging.sample.pixels.iter().map(|p| p.pixel).collect();
             found.extend(outliers::spread_out(&sampled, &flags, valid, geometry, side));
             if found.len() as f32 > outliers::SHARE_MAX * valid.len() as f32 {
                 return None;
             }
-            let (left, Fits { all: fits, .. }) = evidence.without(&flags).fit_all(state, group);
+            let (left, Fits { all: fits, .. }) = evidence.without(&flags).fit_all(guess, group);
             if fits.is_empty() {
                 return None;
             }
             evidence = left;
             let rejected = &self.rejected[group];
-            let decisions = decide(self.options, rejected, &fits, &evidence.judging);
-            let chosen = &fits[decisions[0].chosen];
+            let choices = decide(self.options, rejected, &fits, &evidence.judging);
+            let chosen = &fits[choices[0].chosen];
             if is_explained(chosen, limit, evidence.judging.allowance.floor) {
-                return Some(Fitted { fits, decisions, outliers: found });
+                return Some(Fitted { fits, choices, outliers: found });
             }
             fit = chosen.clone();
         }
@@ -354,41 +377,73 @@ impl<'o> Candidates<'o> {
 }
 
 /// The residual of the better ones of the groups other than `group`.
-fn typical(state: &State<'_>, group: usize) -> f64 {
-    left_by_others(state, group, BETTER).max(TYPICAL_MIN)
+fn typical(guess: &Guess<'_>, group: usize) -> f64 {
+    left_by_others(guess, group, BETTER).max(TYPICAL_MIN)
 }
 
 /// The changes that were chosen from `fitted`, each to be tried if the picture speaks against the one before.
-fn chain(state: &State<'_>, group: usize, fitted: &Fitted) -> Option<Proposal> {
-    let Fitted { fits, decisions, outliers } = fitted;
-    let chosen = decisions.iter().rev().map(|decision| &fits[decision.chosen]);
+fn chain(guess: &Guess<'_>, group: usize, fitted: &Fitted) -> Option<Proposal> {
+    let Fitted { fits, choices, outliers } = fitted;
+    let chosen = choices.iter().rev().map(|choice| &fits[choice.chosen]);
     chosen.fold(None, |next, fit| {
-        Some(Proposal::uniform(state, group, fit, outliers, next.map(Box::new)))
+        Some(Proposal::uniform(guess, group, fit, outliers, next.map(Box::new)))
     })
 }
 
-/// Tells the observer that `group` is asked, with the share `done` of the present part.
-pub(crate) fn tell(state: &mut State<'_>, observer: &dyn Observer, group: usize, done: f64) {
-    let name = &state.problem.groups[group].name;
-    observer.working(&format!("comparing hypotheses for \"{name}\""), state.schedule.share(done));
+/// What the candidates of one group came to.
+#[derive(Default, Serialize, Deserialize)]
+struct Answer {
+    candidates: Vec<CandidateRecord>,
+    /// The one that was compared with the present hypothesis, and by what.
+    decision: Option<(Hypothesis, Measured)>,
+    /// The hypotheses that stay open.
+    undecided: Vec<Hypothesis>,
+    /// Why the group has no texture, though nothing uniform explains it.
+    untextured: Option<String>,
+    proposal: Option<Proposal>,
 }
 
-/// Writes the candidates into the group's selection log.
-fn log(state: &mut State<'_>, group: usize, fitted: &Fitted) {
-    let (fits, decision) = (&fitted.fits, &fitted.decisions[0]);
-    let iteration = state.iterations.len();
-    let entries =
-        fits.iter().zip(&decision.excess).enumerate().map(|(i, (fit, excess))| CandidateRecord {
-            iteration,
-            hypothesis: fit.hypothesis,
-            material: fit.material.clone(),
-            residual: fit.residual,
-            model_error: fit.likelihood.error.share,
-            criterion: *excess,
-            accepted: i == decision.chosen,
-        });
-    state.groups[group].selection_log.extend(entries.collect::<Vec<_>>());
-    if state.groups[group].status == Status::Assumed {
-        state.groups[group].status = Status::Recovered;
+impl Answer {
+    /// Notes it in the guess at the group, after so many iterations.
+    fn note(&self, of_group: &mut GroupGuess, iteration: usize) {
+        of_group.untextured.clone_from(&self.untextured);
+        if self.candidates.is_empty() {
+            return;
+        }
+        let records = self.candidates.iter().cloned();
+        of_group.selection_log.extend(records.map(|of| CandidateRecord { iteration, ..of }));
+        of_group.undecided.clone_from(&self.undecided);
+        if of_group.status == Status::Assumed {
+            of_group.status = Status::Recovered;
+        }
     }
+}
+
+/// The candidate that was chosen instead of the `present` one, or else the one that came nearest to it, and by what it
+/// was chosen or not; none without a present one.
+fn decision(present: Hypothesis, fitted: &Fitted) -> Option<(Hypothesis, Measured)> {
+    let (fits, choice) = (&fitted.fits, &fitted.choices[0]);
+    let place = fits.iter().position(|fit| fit.hypothesis == present)?;
+    let holds = choice.chosen != place;
+    let others = (0..fits.len()).filter(|other| *other != place);
+    let nearest =
+        || others.min_by(|a, b| choice.excess[*a].value.total_cmp(&choice.excess[*b].value));
+    let to = if holds { choice.chosen } else { nearest()? };
+    let excess = if holds { -choice.excess[place] } else { choice.excess[to] };
+    Some((fits[to].hypothesis, excess.measured(holds)))
+}
+
+/// The candidates for the group's selection log.
+fn records(fitted: &Fitted) -> Vec<CandidateRecord> {
+    let (fits, choice) = (&fitted.fits, &fitted.choices[0]);
+    let entry = |(i, (fit, excess)): (usize, (&Fit, &Difference))| CandidateRecord {
+        iteration: 0,
+        hypothesis: fit.hypothesis,
+        material: fit.material.clone(),
+        residual: fit.residual,
+        model_error: fit.likelihood.error.share,
+        criterion: excess.value,
+        accepted: i == choice.chosen,
+    };
+    fits.iter().zip(&choice.excess).enumerate().map(entry).collect()
 }

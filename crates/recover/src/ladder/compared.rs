@@ -7,38 +7,39 @@
 //! as long as these are not refined.
 
 use super::evidence_pair::{EvidencePair, Fits, Gathering, LightAmount, Searched};
+use crate::compare::STRONG;
 use crate::evidence::Evidence;
+use crate::guess::Guess;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
-use crate::model_error::ModelError;
+use crate::observe::model_error::ModelError;
 use crate::problem::Options;
 use crate::refine::contenders::Rung;
-use crate::refine::side_by_side::{self, Choice, Criteria};
+use crate::refine::side_by_side::{self, Compared as OnPaths, Criteria};
 use crate::sample_budget::Level;
-use crate::selection::{Comparison, Decision, STRONG, explains_alike};
-use crate::state::State;
+use crate::selection::{Choice, Comparison, explains_alike};
 
 /// How many other candidates are kept in case the picture speaks against the chosen one. At none, a group whose best
 /// candidate overfits stays as it is; more are hardly ever needed.
 const OTHERS: usize = 2;
 
-/// All candidates of one group: their fits, the decisions between them from the first choice on, and the
+/// All candidates of one group: their fits, the choices among them, the first one first, and the
 /// pixels that none of them was fitted to.
 pub(super) struct Fitted {
     pub(super) fits: Vec<Fit>,
-    pub(super) decisions: Vec<Decision>,
+    pub(super) choices: Vec<Choice>,
     pub(super) outliers: Vec<u32>,
 }
 
 impl Fitted {
     /// What was chosen.
     pub(super) fn chosen(&self) -> &Fit {
-        &self.fits[self.decisions[0].chosen]
+        &self.fits[self.choices[0].chosen]
     }
 
     /// The hypotheses that are also possible: noise leaves them open, and there is no strong evidence against them.
     pub(super) fn undecided(&self) -> Vec<Hypothesis> {
-        let Decision { excess, open, .. } = &self.decisions[0];
-        let rivals = open.iter().filter(|i| excess[**i] <= STRONG);
+        let Choice { excess, open, .. } = &self.choices[0];
+        let rivals = open.iter().filter(|i| excess[**i].value <= STRONG);
         rivals.map(|i| self.fits[*i].hypothesis).collect()
     }
 }
@@ -68,37 +69,37 @@ pub(super) struct Asking<'a> {
 
 impl Asking<'_> {
     /// Compares the candidates; none where nothing was seen of the group.
-    pub(super) fn compare(&self, state: &mut State<'_>) -> Option<Compared> {
+    pub(super) fn compare(&self, guess: &Guess<'_>) -> Option<Compared> {
         if self.stands {
-            let little = self.compare_by(state, LightAmount::Little)?;
-            if self.confirms(state, &little) {
+            let little = self.compare_by(guess, LightAmount::Little)?;
+            if self.confirms(guess, &little) {
                 return Some(little);
             }
         }
-        self.compare_by(state, LightAmount::Usual)
+        self.compare_by(guess, LightAmount::Usual)
     }
 
     /// The same with so many light samples, or more where that may change the decision.
-    fn compare_by(&self, state: &mut State<'_>, light: LightAmount) -> Option<Compared> {
+    fn compare_by(&self, guess: &Guess<'_>, light: LightAmount) -> Option<Compared> {
         let group = self.by.group;
-        let mut evidence = EvidencePair::gather(state, &self.by, light)?;
-        let searched = evidence.search(state, group);
-        let mut compared = self.judge(state, evidence, &searched)?;
-        if matches!(light, LightAmount::Usual) && !compared.fitted.decisions[0].open.is_empty() {
+        let mut evidence = EvidencePair::gather(guess, &self.by, light)?;
+        let searched = evidence.search(guess, group);
+        let mut compared = self.judge(guess, evidence, &searched)?;
+        if matches!(light, LightAmount::Usual) && !compared.fitted.choices[0].open.is_empty() {
             if self.stands {
-                self.decide_on_paths(state, &mut compared);
+                self.decide_on_paths(guess, &mut compared);
             } else {
-                evidence = compared.evidence.judged_again(state, &self.by)?;
-                compared = self.judge(state, evidence, &searched)?;
+                evidence = compared.evidence.judged_again(guess, &self.by)?;
+                compared = self.judge(guess, evidence, &searched)?;
             }
         }
         Some(compared)
     }
 
     /// Decides on paths between the chosen one and the more complex ones that the evidence leaves open.
-    fn decide_on_paths(&self, state: &mut State<'_>, compared: &mut Compared) {
-        let Fitted { fits, decisions, .. } = &mut compared.fitted;
-        let first = &mut decisions[0];
+    fn decide_on_paths(&self, guess: &Guess<'_>, compared: &mut Compared) {
+        let Fitted { fits, choices, .. } = &mut compared.fitted;
+        let first = &mut choices[0];
         let mut open = vec![first.chosen];
         open.append(&mut first.open);
         let rung = |&i: &usize| Rung {
@@ -106,15 +107,15 @@ impl Asking<'_> {
             material: fits[i].material.clone(),
         };
         let rungs = open.iter().map(rung).collect();
-        let effort = self.level.effort(self.by.options, &state.problem.unknown_lights);
+        let effort = self.level.effort(self.by.options, &guess.problem.unknown_lights);
         let by = Criteria {
             options: self.by.options,
             effort,
             allowance: self.by.budget.allowance,
             most: self.by.most,
         };
-        let Choice { chosen, rungs, excess, open: still } =
-            side_by_side::compare(state, &by, self.by.group, rungs);
+        let OnPaths { rungs, choice: Choice { chosen, excess, open: still } } =
+            side_by_side::compare(guess, &by, self.by.group, rungs);
         let still = still.into_iter().map(|i| open[i]).collect();
         if chosen == 0 {
             first.open = still;
@@ -124,27 +125,27 @@ impl Asking<'_> {
         let Rung { hypothesis, material } = &rungs[chosen];
         fits[open[chosen]] = hypothesis::fit(*hypothesis, evidence, material, Search::Kept);
         let mut all = first.excess.clone();
-        let behind = all[open[chosen]];
-        all.iter_mut().for_each(|value| *value -= behind);
+        let behind = all[open[chosen]].value;
+        all.iter_mut().for_each(|excess| excess.value -= behind);
         open.iter().zip(excess).for_each(|(i, excess)| all[*i] = excess);
-        decisions.retain(|decision| decision.chosen != open[chosen]);
-        decisions.insert(0, Decision { chosen: open[chosen], excess: all, open: still });
+        choices.retain(|decision| decision.chosen != open[chosen]);
+        choices.insert(0, Choice { chosen: open[chosen], excess: all, open: still });
         compared.is_borne_out = true;
     }
 
     /// What was `searched`, compared by the `evidence`.
     fn judge(
         &self,
-        state: &State<'_>,
+        guess: &Guess<'_>,
         mut evidence: EvidencePair,
         searched: &Searched,
     ) -> Option<Compared> {
-        let Fits { all: fits, present } = evidence.judge(searched, state, self.by.group);
+        let Fits { all: fits, present } = evidence.judge(searched, guess, self.by.group);
         if fits.is_empty() {
             return None;
         }
-        let decisions = decide(self.by.options, self.rejected, &fits, &evidence.judging);
-        let fitted = Fitted { fits, decisions, outliers: Vec::new() };
+        let choices = decide(self.by.options, self.rejected, &fits, &evidence.judging);
+        let fitted = Fitted { fits, choices, outliers: Vec::new() };
         let chosen = fitted.chosen();
         let is_other_minimum = present.is_some_and(|present| {
             chosen.hypothesis == present.hypothesis
@@ -154,10 +155,10 @@ impl Asking<'_> {
     }
 
     /// Whether the present hypothesis is clearly confirmed.
-    fn confirms(&self, state: &State<'_>, compared: &Compared) -> bool {
+    fn confirms(&self, guess: &Guess<'_>, compared: &Compared) -> bool {
         let chosen = compared.fitted.chosen();
-        chosen.hypothesis == state.groups[self.by.group].hypothesis
-            && compared.fitted.decisions[0].open.is_empty()
+        chosen.hypothesis == guess.groups[self.by.group].hypothesis
+            && compared.fitted.choices[0].open.is_empty()
             && !compared.is_other_minimum
             && is_explained(chosen, self.explained, self.by.budget.allowance.floor)
     }
@@ -170,19 +171,19 @@ pub(super) fn decide(
     rejected: &[Hypothesis],
     fits: &[Fit],
     evidence: &Evidence,
-) -> Vec<Decision> {
+) -> Vec<Choice> {
     let mut comparison = Comparison::new(fits, evidence);
-    let mut decisions: Vec<Decision> = Vec::new();
+    let mut choices: Vec<Choice> = Vec::new();
     for _ in 0..=OTHERS {
-        let is_left = |i: usize| decisions.iter().all(|decision| decision.chosen != i);
+        let is_left = |i: usize| choices.iter().all(|decision| decision.chosen != i);
         let allowed = |i: usize| is_left(i) && !rejected.contains(&fits[i].hypothesis);
         let next = comparison.choose(&allowed, options.thresholds.simpler);
         if !is_left(next.chosen) {
             break;
         }
-        decisions.push(next);
+        choices.push(next);
     }
-    decisions
+    choices
 }
 
 /// Whether `fit` leaves no more model error than `limit`, from block to block or from pixel to

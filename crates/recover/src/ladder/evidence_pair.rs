@@ -1,11 +1,11 @@
 //! The evidence on one group, gathered twice, and all uniform rungs fitted to it under the present light.
 
 use crate::evidence::{Evidence, SampleBudget};
+use crate::guess::Guess;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
-use crate::model_error::{LightError, ModelError};
-use crate::paper::brushed;
+use crate::observe::model_error::{LightError, ModelError};
 use crate::problem::Options;
-use crate::state::State;
+use crate::streams::Stream;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f32::consts::FRAC_PI_2;
@@ -14,12 +14,6 @@ use unrender_scene::Material;
 
 /// The search goes on for so many of the most likely candidates: the accepted one and its rival.
 const PROMISING: usize = 2;
-/// Changes the seed: the light samples that compare hypotheses differ from those of the search.
-const JUDGING: u64 = 0x7D6E;
-/// Changes it for a second comparison.
-const JUDGING_AGAIN: u64 = 0x41AF;
-/// The search has the budget's own seed.
-const SEARCHING: u64 = 0;
 
 /// The evidence on one group, gathered twice: shapes of lobes are searched by the one, and hypotheses are
 /// compared by the other. A search finds the shape that fits the noise of its light samples best, and the
@@ -71,16 +65,16 @@ impl LightAmount {
 
 impl Gathering<'_> {
     /// The evidence by the random numbers of its `purpose`; none where nothing was seen of the group.
-    fn gather(&self, state: &State<'_>, light: LightAmount, purpose: u64) -> Option<Evidence> {
+    fn gather(&self, guess: &Guess<'_>, light: LightAmount, purpose: Stream) -> Option<Evidence> {
         let mut budget = self.budget.clone();
-        budget.probe.seed ^= purpose;
+        budget.probe.seed = purpose.change(budget.probe.seed);
         budget.probe = light.of(budget.probe);
         budget.probe.max_bounces = self.options.max_bounces;
-        let pixels = &state.observation.informative_of_group[self.group];
-        let (stage, appearance) = (state.stage(), state.appearance());
+        let pixels = &guess.observation.informative_of_group[self.group];
+        let (stage, appearance) = (guess.stage(), guess.appearance());
         let evidence = Evidence::gather(&stage, appearance, self.group, pixels, &budget);
-        let mut evidence = evidence.expecting(state.problem.groups[self.group].expected);
-        evidence.field.most = self.most;
+        let mut evidence = evidence.expecting(guess.problem.groups[self.group].expected);
+        evidence.sample.field.most = self.most;
         (!evidence.is_empty()).then_some(evidence)
     }
 }
@@ -88,27 +82,27 @@ impl Gathering<'_> {
 impl EvidencePair {
     /// The evidence on a group, twice; none where nothing was seen of it.
     pub(super) fn gather(
-        state: &State<'_>,
+        guess: &Guess<'_>,
         by: &Gathering<'_>,
         light: LightAmount,
     ) -> Option<Self> {
-        let searching = by.gather(state, light, SEARCHING)?;
-        let judging = by.gather(state, light, JUDGING)?;
+        let searching = by.gather(guess, light, Stream::Searching)?;
+        let judging = by.gather(guess, light, Stream::Judging)?;
         Some(Self { searching, judging })
     }
 
     /// The same with more and other evidence to compare hypotheses by; none where nothing was seen of the group.
-    pub(super) fn judged_again(self, state: &State<'_>, by: &Gathering<'_>) -> Option<Self> {
-        let judging = by.gather(state, LightAmount::More, JUDGING_AGAIN)?;
+    pub(super) fn judged_again(self, guess: &Guess<'_>, by: &Gathering<'_>) -> Option<Self> {
+        let judging = by.gather(guess, LightAmount::More, Stream::JudgingAgain)?;
         Some(Self { judging, ..self })
     }
 
     /// The same without the pixels of `judging` that are flagged.
     pub(super) fn without(self, flags: &[bool]) -> Self {
-        let flagged = self.judging.pixels.iter().zip(flags).filter(|(_, flag)| **flag);
+        let flagged = self.judging.sample.pixels.iter().zip(flags).filter(|(_, flag)| **flag);
         let flagged: HashSet<u32> = flagged.map(|(seen, _)| seen.pixel).collect();
         let of_searching: Vec<bool> =
-            self.searching.pixels.iter().map(|seen| flagged.contains(&seen.pixel)).collect();
+            self.searching.sample.pixels.iter().map(|seen| flagged.contains(&seen.pixel)).collect();
         Self {
             searching: self.searching.without(&of_searching),
             judging: self.judging.without(flags),
@@ -118,20 +112,20 @@ impl EvidencePair {
     /// All uniform rungs that the group may have, under common weights: those of the most likely fit's
     /// light. Shapes are from one half, reflectances and likelihoods from the other; the present lobe may keep its
     /// shape, which the refinement may have found from all pixels. Fits that overflowed are left out.
-    pub(super) fn fit_all(mut self, state: &State<'_>, group: usize) -> (Self, Fits) {
-        let searched = self.search(state, group);
-        let fits = self.judge(&searched, state, group);
+    pub(super) fn fit_all(mut self, guess: &Guess<'_>, group: usize) -> (Self, Fits) {
+        let searched = self.search(guess, group);
+        let fits = self.judge(&searched, guess, group);
         (self, fits)
     }
 
     /// What was `searched`, fitted to the evidence that hypotheses are compared by.
-    pub(super) fn judge(&mut self, searched: &Searched, state: &State<'_>, group: usize) -> Fits {
+    pub(super) fn judge(&mut self, searched: &Searched, guess: &Guess<'_>, group: usize) -> Fits {
         let Searched { fits, broad, material, error } = searched;
         share_weights(&mut self.judging, material, *error);
         let again =
             |fit: &Fit| hypothesis::fit(fit.hypothesis, &self.judging, &fit.material, Search::Kept);
         let mut fits: Vec<Fit> = fits.par_iter().map(again).collect();
-        let present = self.present(state, group);
+        let present = self.present(guess, group);
         let broad: Vec<Fit> = broad.par_iter().map(again).collect();
         for other in broad.into_iter().chain(present.clone()) {
             let same = fits.iter_mut().find(|fit| fit.hypothesis == other.hypothesis);
@@ -144,13 +138,13 @@ impl EvidencePair {
     }
 
     /// Searches everywhere for the shapes of all rungs.
-    pub(super) fn search(&mut self, state: &State<'_>, group: usize) -> Searched {
-        search_all(&mut self.searching, state, group)
+    pub(super) fn search(&mut self, guess: &Guess<'_>, group: usize) -> Searched {
+        search_all(&mut self.searching, guess, group)
     }
 
     /// The present lobe of `group`, if it has one: as it is, or in the minimum that it leads to.
-    fn present(&self, state: &State<'_>, group: usize) -> Option<Fit> {
-        let (rung, material) = (state.groups[group].hypothesis, &state.materials[group]);
+    fn present(&self, guess: &Guess<'_>, group: usize) -> Option<Fit> {
+        let (rung, material) = (guess.groups[group].hypothesis, &guess.materials[group]);
         if !matches!(rung, Hypothesis::Isotropic | Hypothesis::Anisotropic) {
             return None;
         }
@@ -193,18 +187,13 @@ fn share_weights(evidence: &mut Evidence, material: &Material, error: ModelError
 }
 
 /// All uniform rungs that the group may have, searched for everywhere and then near the most likely ones.
-fn search_all(evidence: &mut Evidence, state: &State<'_>, group: usize) -> Searched {
-    let geometry = state.problem.renderer.geometry();
-    let theta_rad = brushed::direction(evidence, geometry).unwrap_or(0.0);
-    let rungs = state.problem.groups[group].uniform_rungs();
+fn search_all(evidence: &mut Evidence, guess: &Guess<'_>, group: usize) -> Searched {
+    let rungs = guess.problem.groups[group].uniform_rungs();
     let diffuse = hypothesis::diffuse::fit(evidence);
     share_weights(evidence, &diffuse.material, ModelError::START);
     let mut fits: Vec<Fit> = Vec::new();
     for rung in rungs {
-        let mut start = fits.last().map_or(diffuse.material.clone(), |f| f.material.clone());
-        if rung == Hypothesis::Anisotropic {
-            start.theta_rad = theta_rad;
-        }
+        let start = fits.last().map_or(diffuse.material.clone(), |f| f.material.clone());
         fits.push(hypothesis::fit(rung, evidence, &start, Search::Global));
     }
     round_as_brushed(&mut fits, evidence);

@@ -7,11 +7,11 @@
 
 use super::proposal::Proposal;
 use super::unexplained;
+use crate::guess::Guess;
 use crate::hypothesis::Hypothesis;
-use crate::model_error::ModelError;
+use crate::observe::model_error::ModelError;
 use crate::problem::Options;
 use crate::refine::score_test::{self, Gain};
-use crate::state::State;
 use std::collections::BTreeMap;
 use unrender_scene::Rgb;
 
@@ -23,23 +23,23 @@ const SHAPES: [Option<f32>; 3] = [None, Some(0.1), Some(0.3)];
 /// For each diffuse group that was not `tried`, the specular part by which it explains most of the whole picture, the
 /// best first. None where no group stays unexplained beyond what is `allowed` for ([`unexplained`]).
 pub(crate) fn all(
-    state: &mut State<'_>,
+    guess: &Guess<'_>,
     options: &Options,
     allowed: ModelError,
     tried: &[usize],
 ) -> Vec<Proposal> {
-    if unexplained::groups(state, allowed).is_empty() {
+    if unexplained::groups(guess, allowed).is_empty() {
         return Vec::new();
     }
     let mut most: BTreeMap<usize, (Option<f32>, Gain)> = BTreeMap::new();
     for alpha in SHAPES {
         let (hypothesis, _) = score_test::with_specular(Rgb::ZERO, Rgb::ONE, alpha);
         let may_be = |group: &usize| {
-            state.groups[*group].hypothesis == Hypothesis::Diffuse
-                && state.problem.groups[*group].allows(hypothesis)
+            guess.groups[*group].hypothesis == Hypothesis::Diffuse
+                && guess.problem.groups[*group].allows(hypothesis)
         };
-        let groups: Vec<usize> = state.visible_unknowns().into_iter().filter(may_be).collect();
-        for (group, gain) in groups.iter().zip(score_test::gains(state, options, &groups, alpha)) {
+        let groups: Vec<usize> = guess.visible_unknowns().into_iter().filter(may_be).collect();
+        for (group, gain) in groups.iter().zip(score_test::gains(guess, options, &groups, alpha)) {
             let before = most.get(group).map_or(0.0, |(_, before)| before.value);
             if gain.value > before && !tried.contains(group) {
                 most.insert(*group, (alpha, gain));
@@ -49,9 +49,9 @@ pub(crate) fn all(
     let mut most: Vec<(usize, (Option<f32>, Gain))> = most.into_iter().collect();
     most.sort_by(|(_, (_, a)), (_, (_, b))| b.value.total_cmp(&a.value));
     let proposal = |(group, (alpha, gain)): (usize, (Option<f32>, Gain))| {
-        let rho_d = (state.materials[group].rho_d - gain.rho_s).max(Rgb::ZERO);
+        let rho_d = (guess.materials[group].rho_d - gain.rho_s).max(Rgb::ZERO);
         let to = score_test::with_specular(rho_d, gain.rho_s, alpha);
-        Some(Proposal::unasked(state, group, to, state.groups[group].residual?))
+        Some(Proposal::unasked(guess, group, to, guess.groups[group].residual?))
     };
     most.into_iter().filter_map(proposal).collect()
 }

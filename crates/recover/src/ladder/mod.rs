@@ -2,7 +2,7 @@
 //! since each one lights the others [Boivin and Gagalowicz 2002, Figure 1].
 //!
 //! Other hypotheses are proposed for the groups that the present ones explain worst (`candidates`), all numbers
-//! being fitted together (`refine`). The paper's own way up is in [`crate::paper`].
+//! being fitted together (`refine`).
 
 pub(crate) mod branches;
 pub(crate) mod candidates;

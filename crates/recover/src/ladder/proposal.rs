@@ -1,14 +1,16 @@
 //! Proposals: another hypothesis for one group, with its numbers and what is tried after it.
 
+use crate::compare::likelihood::Likelihood;
+use crate::compare::residual::ResidualStats;
+use crate::guess::Guess;
 use crate::hypothesis::{Fit, Hypothesis};
-use crate::likelihood::Likelihood;
-use crate::model_error::Allowance;
+use crate::observe::model_error::Allowance;
 use crate::record::CandidateRecord;
-use crate::residual::ResidualStats;
 use crate::selection::parameters;
-use crate::state::State;
+use crate::verify::Claim;
 use serde::{Deserialize, Serialize};
-use unrender_scene::Material;
+use std::sync::Arc;
+use unrender_scene::{Image, Material};
 
 /// Another hypothesis for one group.
 #[derive(Clone, Serialize, Deserialize)]
@@ -25,6 +27,8 @@ pub(crate) struct Proposal {
     pub(super) likelihood: Option<Likelihood>,
     /// Pixels that show something that is not in the model.
     pub(super) outliers: Vec<u32>,
+    /// Of a texture: which texels the photograph shows.
+    pub(super) seen_texels: Option<Image<bool>>,
     /// Whether it is the present hypothesis in another minimum, which explains the group better than the one
     /// that the present numbers lead to.
     pub(crate) is_other_minimum: bool,
@@ -42,7 +46,7 @@ pub(crate) struct Proposal {
 impl Proposal {
     /// The change to the result of `fit`.
     pub(super) fn uniform(
-        state: &State<'_>,
+        guess: &Guess<'_>,
         group: usize,
         fit: &Fit,
         outliers: &[u32],
@@ -53,33 +57,34 @@ impl Proposal {
             likelihood: Some(fit.likelihood),
             outliers: outliers.to_vec(),
             next,
-            ..Self::unasked(state, group, to, fit.residual)
+            ..Self::unasked(guess, group, to, fit.residual)
         }
     }
 
     /// The change to a candidate that was not chosen in the group's last comparison.
-    pub(super) fn of_record(state: &State<'_>, group: usize, record: &CandidateRecord) -> Self {
+    pub(super) fn of_record(guess: &Guess<'_>, group: usize, record: &CandidateRecord) -> Self {
         let to = (record.hypothesis, record.material.clone());
-        Self::unasked(state, group, to, record.residual)
+        Self::unasked(guess, group, to, record.residual)
     }
 
     /// The change to a hypothesis with its material that the group's own pixels do not call for, and their residual.
     pub(super) fn unasked(
-        state: &State<'_>,
+        guess: &Guess<'_>,
         group: usize,
         (hypothesis, material): (Hypothesis, Material),
         residual: ResidualStats,
     ) -> Self {
-        let present = state.groups[group].hypothesis;
+        let present = guess.groups[group].hypothesis;
         Self {
             group,
             hypothesis,
             is_more_complex: hypothesis > present,
-            adds: added(state, group, (hypothesis, &material)),
+            adds: added(guess, group, (hypothesis, &material)),
             material,
             residual,
             likelihood: None,
             outliers: Vec::new(),
+            seen_texels: None,
             is_other_minimum: false,
             is_borne_out: false,
             least: None,
@@ -88,10 +93,10 @@ impl Proposal {
         }
     }
 
-    /// Whether it changes anything of `state`.
-    pub(super) fn moves(&self, state: &State<'_>) -> bool {
+    /// Whether it changes anything of `guess`.
+    pub(super) fn moves(&self, guess: &Guess<'_>) -> bool {
         self.is_other_minimum
-            || self.hypothesis != state.groups[self.group].hypothesis
+            || self.hypothesis != guess.groups[self.group].hypothesis
             || !self.outliers.is_empty()
     }
 
@@ -101,36 +106,44 @@ impl Proposal {
     }
 
     /// The one to try if the picture speaks against this one.
-    pub(crate) fn otherwise(self, state: &State<'_>) -> Option<Self> {
-        let next = self.next.map(|next| *next).filter(|next| next.moves(state));
+    pub(crate) fn otherwise(self, guess: &Guess<'_>) -> Option<Self> {
+        let next = self.next.map(|next| *next).filter(|next| next.moves(guess));
         match next {
             Some(next) => Some(Self { then: self.then, ..next }),
             None => self.then.map(|then| *then),
         }
     }
 
-    /// The one to try after this one was accepted, as it now is in `state`.
-    pub(crate) fn afterwards(self, state: &State<'_>) -> Option<Self> {
+    /// The one to try after this one was accepted, as it now is in `guess`.
+    pub(crate) fn afterwards(self, guess: &Guess<'_>) -> Option<Self> {
         let then = *self.then?;
-        let present = state.groups[then.group].hypothesis;
+        let present = guess.groups[then.group].hypothesis;
         let is_more_complex = then.hypothesis > present;
-        let adds = added(state, then.group, (then.hypothesis, &then.material));
+        let adds = added(guess, then.group, (then.hypothesis, &then.material));
         Some(Self { is_more_complex, adds, ..then })
     }
 
     /// Writes into the group's selection log whether the change was accepted.
-    pub(crate) fn record(&self, state: &mut State<'_>, accepted: bool) {
-        state.groups[self.group].set_accepted(self.hypothesis, accepted);
+    pub(crate) fn record(&self, guess: &mut Guess<'_>, accepted: bool) {
+        guess.groups[self.group].set_accepted(self.hypothesis, accepted);
+    }
+
+    /// What it claims of its group, for the comparison by the group's own pixels.
+    pub(crate) fn claim(&self) -> Claim {
+        let Self { group, adds, least, is_other_minimum, .. } = *self;
+        Claim { group, adds, least, is_other_minimum }
     }
 
     /// Makes the change.
-    pub(crate) fn apply(&self, state: &mut State<'_>) {
+    pub(crate) fn apply(&self, guess: &mut Guess<'_>) {
         if self.hypothesis == Hypothesis::Textured {
-            state.observation.forget_outliers(self.group);
+            guess.forget_outliers(self.group);
         }
-        state.observation.mark_outliers(self.group, &self.outliers);
-        let outliers = state.observation.outlier_share(self.group);
-        let of_group = &mut state.groups[self.group];
+        if !self.outliers.is_empty() {
+            Arc::make_mut(&mut guess.observation).mark_outliers(self.group, &self.outliers);
+        }
+        let outliers = guess.observation.outlier_share(self.group);
+        let of_group = &mut guess.groups[self.group];
         of_group.hypothesis = self.hypothesis;
         of_group.residual = Some(self.residual);
         of_group.likelihood = self.likelihood;
@@ -140,15 +153,20 @@ impl Proposal {
                 100.0 * outliers
             )
         });
-        if self.hypothesis != Hypothesis::Textured {
-            of_group.seen_texels = None;
-        }
-        state.materials[self.group] = self.material.clone();
+        of_group.seen_texels.clone_from(&self.seen_texels);
+        guess.materials[self.group] = self.material.clone();
+    }
+
+    /// The guess that `guess` becomes by the change.
+    pub(crate) fn applied<'a>(&self, guess: &Guess<'a>) -> Guess<'a> {
+        let mut guess = guess.clone();
+        self.apply(&mut guess);
+        guess
     }
 }
 
 /// How many more free parameters `next` has than the present hypothesis of `group`.
-pub(super) fn added(state: &State<'_>, group: usize, next: (Hypothesis, &Material)) -> f64 {
-    let present = state.groups[group].hypothesis;
-    parameters(next.0, next.1) - parameters(present, &state.materials[group])
+pub(super) fn added(guess: &Guess<'_>, group: usize, next: (Hypothesis, &Material)) -> f64 {
+    let present = guess.groups[group].hypothesis;
+    parameters(next.0, next.1) - parameters(present, &guess.materials[group])
 }

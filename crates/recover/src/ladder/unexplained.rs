@@ -1,18 +1,18 @@
 //! Which groups stay unexplained, relative to the whole picture.
 
-use crate::model_error::ModelError;
-use crate::state::State;
+use crate::guess::Guess;
+use crate::observe::model_error::ModelError;
 
 /// The unknown groups that each leave more of the picture than all together would by the model error that is always
 /// `allowed` for; those that leave most come first.
-pub(super) fn groups(state: &State<'_>, allowed: ModelError) -> Vec<usize> {
-    let unknown = state.visible_unknowns();
+pub(super) fn groups(guess: &Guess<'_>, allowed: ModelError) -> Vec<usize> {
+    let unknown = guess.visible_unknowns();
     let left = |group: usize, error: f64| {
-        error * error * state.observation.pixels_of_group[group].len() as f64
+        error * error * guess.observation.pixels_of_group[group].len() as f64
     };
     let least: f64 = unknown.iter().map(|group| left(*group, allowed.share)).sum();
     let leaves = |group: usize| {
-        let error = state.groups[group].likelihood?.error.share;
+        let error = guess.groups[group].likelihood?.error.share;
         Some((group, left(group, error))).filter(|(_, left)| *left > least)
     };
     let mut groups: Vec<(usize, f64)> = unknown.iter().filter_map(|group| leaves(*group)).collect();

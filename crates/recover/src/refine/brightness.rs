@@ -8,9 +8,9 @@
 use super::passes::Passes;
 use super::unknowns::Unknowns;
 use crate::expected::ParameterBounds;
+use crate::guess::Guess;
 use crate::hypothesis::Hypothesis;
 use crate::problem::{ExposureRule, Options, RecoverError};
-use crate::state::{Snapshot, State};
 use unrender_scene::{Material, Rgb};
 
 /// What a factor on the photograph's brightness would explain.
@@ -39,64 +39,55 @@ const EXPLAINS: f64 = 0.4;
 /// factors that explain nothing are up to 2.1.
 const NEAR: f32 = 1.5;
 
-/// The factor by which all light is wrong, if with it the hypotheses of `first`, the initial state, explain far more
-/// than the present ones do without. `state` does not change.
-pub(crate) fn find(
-    state: &mut State<'_>,
-    options: &Options,
-    first: &Snapshot,
-) -> Option<Brightness> {
-    let problem = state.problem;
+/// The factor by which all light is wrong, if with it the hypotheses of `first`, the initial guess, explain far more
+/// than the present ones do without.
+pub(crate) fn find(guess: &Guess<'_>, options: &Options, first: &Guess<'_>) -> Option<Brightness> {
+    let problem = guess.problem;
     let is_given = matches!(problem.exposure, ExposureRule::Fixed(_))
         && problem.unknown_lights.is_empty()
         && problem.photometric_parameters.is_empty();
     // The project's bounds may be wrong instead; the results say which are touched.
     let is_bounded = problem.groups.iter().any(|g| g.expected.bounds != ParameterBounds::default());
-    let is_asked = Unknowns::of(state).len() > 0;
-    if !is_given || is_bounded || !is_asked || unexplained(state) < WORTH_ASKING {
+    let is_asked = Unknowns::of(guess).len() > 0;
+    if !is_given || is_bounded || !is_asked || unexplained(guess) < WORTH_ASKING {
         return None;
     }
-    let (before, iterations) = (state.snapshot(), state.iterations.len());
-    make_uniform(state);
-    let present = state.snapshot();
     let mut passes = Passes::new(options);
-    let mut fit = |from: &Snapshot, of: &dyn Fn(&State<'_>) -> Unknowns, is_free: bool| {
-        state.restore(from);
-        let unknowns = of(state);
-        let left = passes.nearest(state, &unknowns, is_free).max(0.0).sqrt();
-        let factor = before.exposure() / state.exposure;
-        state.iterations.truncate(iterations);
-        (left, factor)
+    let mut fit = |from: Guess<'_>, unknowns: &Unknowns, is_free: bool| {
+        let (found, left) = passes.nearest(from, unknowns, is_free);
+        (left.max(0.0).sqrt(), guess.exposure / found.exposure)
     };
-    let (given, _) = fit(&present, &|state| Unknowns::of(state), false);
-    let other =
-        (given >= WORTH_ASKING).then(|| fit(first, &|state| Unknowns::with_exposure(state), true));
-    state.restore(&before);
-    state.look_at_photograph();
+    let present = uniform(guess);
+    let free = Unknowns::of(&present);
+    let (given, _) = fit(present, &free, false);
+    let free = Unknowns::with_exposure(first);
+    let other = (given >= WORTH_ASKING).then(|| fit(first.clone(), &free, true));
     let (free, factor) = other?;
     let is_near = factor.max(factor.recip()).max_element() < NEAR;
     let found = free < (1.0 - EXPLAINS) * given && !is_near;
     found.then_some(Brightness { factor, unexplained: [given, free] })
 }
 
-/// Makes each textured group diffuse, as bright as its texture.
-fn make_uniform(state: &mut State<'_>) {
-    for (of_group, material) in state.groups.iter_mut().zip(&mut state.materials) {
+/// `guess` with each textured group as a diffuse one, as bright as its texture.
+fn uniform<'a>(guess: &Guess<'a>) -> Guess<'a> {
+    let mut guess = guess.clone();
+    for (of_group, material) in guess.groups.iter_mut().zip(&mut guess.materials) {
         if of_group.hypothesis == Hypothesis::Textured {
             of_group.hypothesis = Hypothesis::Diffuse;
             *material = Material::diffuse(material.rho_d);
         }
     }
+    guess
 }
 
 /// The share of the photograph that the fits leave, root mean square over the pixels of the groups that were fitted;
 /// infinite where some are textured, whose residual is not known.
-fn unexplained(state: &State<'_>) -> f64 {
-    if state.groups.iter().any(|of_group| of_group.hypothesis == Hypothesis::Textured) {
+fn unexplained(guess: &Guess<'_>) -> f64 {
+    if guess.groups.iter().any(|of_group| of_group.hypothesis == Hypothesis::Textured) {
         return f64::INFINITY;
     }
-    let pixels = state.observation.pixels_of_group.iter();
-    let fitted = state.groups.iter().zip(pixels).filter_map(|(of_group, pixels)| {
+    let pixels = guess.observation.pixels_of_group.iter();
+    let fitted = guess.groups.iter().zip(pixels).filter_map(|(of_group, pixels)| {
         Some((of_group.residual?.squared.max(0.0), pixels.len() as f64))
     });
     let (sum, count) =

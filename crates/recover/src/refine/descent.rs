@@ -4,10 +4,9 @@ use super::means::{self, Mean};
 use super::normal::Normal;
 use super::system::System;
 use super::unknowns::Unknowns;
-use crate::photometric::PhotometricEstimate;
-use crate::state::State;
+use crate::guess::Guess;
 use nalgebra::{DMatrix, DVector};
-use unrender_scene::{Material, Rgb};
+use unrender_scene::Rgb;
 
 /// The first damping after a step that made things worse, relative to the curvature; then tenfold.
 const DAMPING: f64 = 0.1;
@@ -42,75 +41,69 @@ pub(super) struct Taken<'s> {
     pub(super) errors: &'s [Option<f64>],
 }
 
-/// Where a step started, to go back if it was wrong.
-struct StepStart {
-    materials: Vec<Material>,
-    lights: Vec<Rgb>,
-    exposure: Rgb,
-    photometric: PhotometricEstimate,
+/// Where a step starts: the guess, what it leaves of the photograph, and its equations.
+struct StepStart<'a> {
+    guess: Guess<'a>,
     residuals: Vec<[Rgb; 2]>,
     weights: Vec<Rgb>,
     system: System,
 }
 
 impl Descent<'_> {
-    /// Moves the unknowns of `state` step by step, each by what the paths `show` there, until `goes_on` is false after
-    /// one. Returns what they showed in the last place that was not worse than the one before, if any.
+    /// Moves the unknowns of `guess` step by step, each by what the paths `show` there, until `goes_on` is false after
+    /// one. Returns where they came, and what they showed in the last place that was not worse than the one before, if any.
     pub(super) fn run<'a>(
         &self,
-        state: &mut State<'a>,
-        show: &dyn Fn(&State<'a>) -> Vec<Mean>,
-        goes_on: &mut dyn FnMut(&mut State<'a>, &Taken<'_>) -> bool,
-    ) -> Option<Evaluated> {
+        mut guess: Guess<'a>,
+        show: &dyn Fn(&Guess<'a>) -> Vec<Mean>,
+        goes_on: &mut dyn FnMut(&Guess<'a>, &Taken<'_>) -> bool,
+    ) -> (Guess<'a>, Option<Evaluated>) {
         let unknowns = self.unknowns;
         let mut shown = None;
-        let mut last: Option<StepStart> = None;
+        let mut last: Option<StepStart<'a>> = None;
         let mut damping = 0.0;
         for number in 1..=self.steps_max {
-            state.look_at_photograph();
-            let means = show(state);
-            let normal = Normal::of(&means, unknowns, state.materials.len());
+            guess.look_at_photograph();
+            let means = show(&guess);
+            let normal = Normal::of(&means, unknowns, guess.materials.len());
             let error = relative_error(&normal, &means);
-            let errors = means::relative_errors(&means, state.materials.len());
+            let errors = means::relative_errors(&means, guess.materials.len());
             let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means, self.worse));
             let start = match last.take() {
                 Some(before) if worse => {
                     damping = f64::max(10.0 * damping, DAMPING);
-                    before.restore(state);
                     before
                 }
                 _ => {
                     damping *= 0.1;
-                    let system = system(state, unknowns, &normal, self.prior);
-                    let start = StepStart::of(state, &means, &normal, system);
+                    let system = system(&guess, unknowns, &normal, self.prior);
+                    let start = StepStart::of(guess, &means, &normal, system);
                     shown = Some(Evaluated { means, normal, inverse: start.system.inverse() });
                     start
                 }
             };
-            let Some(step) = start.system.step(damping, &unknowns.bounds(state)) else {
-                break;
+            let Some(step) = start.system.step(damping, &unknowns.bounds(&start.guess)) else {
+                return (start.guess, shown);
             };
             let moved = in_deviations(&step, &start.system.covariance());
             if !worse && moved.iter().all(|moved| *moved <= self.significant) {
-                break;
+                return (start.guess, shown);
             }
-            unknowns.apply(state, &step);
-            if !goes_on(state, &Taken { number, step: &step, error, errors: &errors }) {
+            guess = start.guess.clone();
+            unknowns.apply(&mut guess, &step);
+            if !goes_on(&guess, &Taken { number, step: &step, error, errors: &errors }) {
                 break;
             }
             last = Some(start);
         }
-        shown
+        (guess, shown)
     }
 }
 
-impl StepStart {
-    fn of(state: &State<'_>, means: &[Mean], normal: &Normal, system: System) -> Self {
+impl<'a> StepStart<'a> {
+    fn of(guess: Guess<'a>, means: &[Mean], normal: &Normal, system: System) -> Self {
         Self {
-            materials: state.materials.clone(),
-            lights: state.lights.clone(),
-            exposure: state.exposure,
-            photometric: state.photometric.clone(),
+            guess,
             residuals: means.iter().map(|mean| mean.residuals).collect(),
             weights: normal.weights.clone(),
             system,
@@ -129,23 +122,16 @@ impl StepStart {
         }
         difference > worse * 2.0 * separation.max(0.0).sqrt()
     }
-
-    fn restore(&self, state: &mut State<'_>) {
-        state.materials.clone_from(&self.materials);
-        state.lights.clone_from(&self.lights);
-        state.exposure = self.exposure;
-        state.photometric.clone_from(&self.photometric);
-    }
 }
 
-/// The equations at the place of `state`, with the mean of the prior.
+/// The equations at the place of `guess`, with the mean of the prior.
 pub(super) fn system(
-    state: &State<'_>,
+    guess: &Guess<'_>,
     unknowns: &Unknowns,
     normal: &Normal,
     prior: &DVector<f64>,
 ) -> System {
-    let values = unknowns.values(state);
+    let values = unknowns.values(guess);
     System::new(unknowns, normal, &(prior - &values)).related(unknowns, &values)
 }
 

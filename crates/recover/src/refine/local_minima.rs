@@ -8,12 +8,13 @@
 
 use crate::evidence::Evidence;
 use crate::expected::ParameterBounds;
+use crate::guess::Guess;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
-use crate::model_error::ModelError;
+use crate::observe::model_error::ModelError;
 use crate::problem::Options;
 use crate::sample_budget::{self, Level};
 use crate::selection;
-use crate::state::State;
+use crate::streams::Stream;
 use std::f32::consts::PI;
 use unrender_scene::Material;
 
@@ -30,45 +31,46 @@ const SAME_THETA: f32 = 0.25;
 
 /// The evidence on `group`, under the refined light, by light samples that no search has used, weighted for its present
 /// material; none where nothing was seen of it.
-fn evidence(state: &State<'_>, options: &Options, group: usize) -> Option<Evidence> {
-    let other_noise = Options { seed: options.seed ^ 0xBA51, ..options.clone() };
-    let pixels = &state.observation.pixels_of_group[group];
+fn evidence(guess: &Guess<'_>, options: &Options, group: usize) -> Option<Evidence> {
+    let other_noise = Options { seed: Stream::OtherMinima.change(options.seed), ..options.clone() };
+    let pixels = &guess.observation.pixels_of_group[group];
     let mut budget = sample_budget::candidates(
         Level::Refined,
         &other_noise,
-        &state.problem.unknown_lights,
+        &guess.problem.unknown_lights,
         pixels.len(),
     );
     budget.pixels = options.effort.pixels(PIXELS);
     budget.probe.max_bounces = options.max_bounces;
-    let gathered = Evidence::gather(&state.stage(), state.appearance(), group, pixels, &budget);
-    let mut evidence = gathered.expecting(state.problem.groups[group].expected);
+    let gathered = Evidence::gather(&guess.stage(), guess.appearance(), group, pixels, &budget);
+    let mut evidence = gathered.expecting(guess.problem.groups[group].expected);
     if evidence.is_empty() {
         return None;
     }
-    let error = state.groups[group].likelihood.map_or(ModelError::START, |l| l.error);
-    evidence.reweigh(&state.materials[group], error);
+    let error = guess.groups[group].likelihood.map_or(ModelError::START, |l| l.error);
+    evidence.reweigh(&guess.materials[group], error);
     Some(evidence)
 }
 
 /// Looks for other explanations of the groups with a roughness, and notes them.
-pub(crate) fn find(state: &mut State<'_>, options: &Options) {
-    for group in state.visible_unknowns() {
-        let hypothesis = state.groups[group].hypothesis;
+pub(crate) fn find(guess: &mut Guess<'_>, options: &Options) {
+    for group in guess.visible_unknowns() {
+        let hypothesis = guess.groups[group].hypothesis;
         if !matches!(hypothesis, Hypothesis::Isotropic | Hypothesis::Anisotropic) {
             continue;
         }
-        let Some(evidence) = evidence(state, options, group) else {
-            continue;
-        };
-        let others = others(hypothesis, &evidence, &state.materials[group]);
+        let found = guess.steps.value("other minima", || {
+            let evidence = evidence(guess, options, group)?;
+            Some(others(hypothesis, &evidence, &guess.materials[group]))
+        });
+        let others = found.unwrap_or_default();
         if !others.is_empty() {
-            state.groups[group].add_note(
+            guess.groups[group].add_note(
                 "a lobe of another shape explains the photograph as well: see its alternatives"
                     .to_owned(),
             );
         }
-        state.groups[group].alternatives = others;
+        guess.groups[group].alternatives = others;
     }
 }
 

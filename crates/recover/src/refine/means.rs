@@ -9,12 +9,12 @@
 
 use super::sample::Cell;
 use super::unknowns::Unknowns;
-use crate::blocks::Place;
-use crate::evidence::Observed;
-use crate::model_error::{followed, level2};
-use crate::observation::Noise;
-use crate::photometric::PhotometricParameter;
-use crate::state::State;
+use crate::guess::Guess;
+use crate::observe::blocks::Place;
+use crate::observe::model_error::{followed, level2};
+use crate::observe::observation::Noise;
+use crate::observe::photometric::PhotometricParameter;
+use crate::observe::sample::Observed;
 use glam::Vec3;
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use unrender_render::sampler::mix;
-use unrender_render::{Jacobian, Settings};
+use unrender_render::{Jacobian, Query, Settings};
 use unrender_scene::Rgb;
 
 /// What one cell shows on the mean.
@@ -58,22 +58,24 @@ const TILE: usize = 4096;
 
 /// One pass over `cells`, with the paths numbered `samples` for each of their pixels, twice.
 pub(crate) fn gather(
-    state: &State<'_>,
+    guess: &Guess<'_>,
     unknowns: &Unknowns,
     cells: &[Cell],
     samples: &[Range<u32>],
     settings: &Settings,
 ) -> Vec<Mean> {
-    of_tiles(state, unknowns, cells, samples, |_, tile| {
+    of_tiles(guess, unknowns, cells, samples, |_, tile| {
         let all = || cells[tile.clone()].iter().zip(&samples[tile.clone()]);
         let of_cell = |(cell, samples): (&Cell, &Range<u32>)| -> Vec<(u32, Range<u32>)> {
             cell.pixels.iter().map(|seen| (seen.pixel, samples.clone())).collect()
         };
         let pixels: Vec<(u32, Range<u32>)> = all().flat_map(of_cell).collect();
         halves(settings).map(|settings| {
-            let (appearance, seen) = (state.appearance(), state.seen.as_ref());
-            let asked = &unknowns.parameters;
-            state.problem.renderer.jacobian(appearance, &pixels, asked, &settings, seen)
+            guess.problem.renderer.jacobian(&Query {
+                parameters: &unknowns.parameters,
+                seen: guess.seen.as_deref(),
+                ..Query::new(guess.appearance(), &pixels, &settings)
+            })
         })
     })
 }
@@ -86,7 +88,7 @@ pub(super) fn halves(settings: &Settings) -> [Settings; 2] {
 /// One pass over `cells`, with the paths numbered `samples` for each of their pixels, from the Jacobians that `of_tile`
 /// finds for each of their [`tiles`].
 pub(super) fn of_tiles(
-    state: &State<'_>,
+    guess: &Guess<'_>,
     unknowns: &Unknowns,
     cells: &[Cell],
     samples: &[Range<u32>],
@@ -103,7 +105,7 @@ pub(super) fn of_tiles(
         let starts: Vec<usize> = cells.iter().scan(0, next).collect();
         let paths = samples[tile.clone()].par_iter().map(|samples| samples.len() as f64);
         let of_cell = |((cell, paths), start): ((&Cell, f64), usize)| {
-            mean(state, unknowns, (cell, paths), start, &jacobians)
+            mean(guess, unknowns, (cell, paths), start, &jacobians)
         };
         means.par_extend(cells.par_iter().zip(paths).zip(starts).map(of_cell));
     }
@@ -242,7 +244,7 @@ pub(super) fn tiles(cells: &[Cell]) -> Vec<Range<usize>> {
 
 /// The mean over a cell, whose first pixel is number `start` of the Jacobians.
 fn mean(
-    state: &State<'_>,
+    guess: &Guess<'_>,
     unknowns: &Unknowns,
     (cell, paths): (&Cell, f64),
     start: usize,
@@ -263,10 +265,10 @@ fn mean(
         sums
     });
     let change = |c: &PhotometricParameter| {
-        let change = over(&|p| state.exposure * c.change(&state.observation, p.pixel));
+        let change = over(&|p| guess.exposure * c.change(&guess.observation, p.pixel));
         Rgb::select(photograph.cmpgt(Rgb::ZERO), change / photograph, Rgb::ZERO)
     };
-    let changes: Vec<Rgb> = state.problem.photometric_parameters.iter().map(change).collect();
+    let changes: Vec<Rgb> = guess.problem.photometric_parameters.iter().map(change).collect();
     let mut residuals = radiance.map(|radiance| photograph - radiance);
     let light = 0.5 * (radiance[0] + radiance[1]);
     // A clipped pixel has no residual where the model is brighter.
@@ -290,7 +292,7 @@ fn mean(
                 return Vec::new();
             }
             let radiance = radiance.map(|radiance| f64::from(radiance[channel]));
-            unknowns.row(state, (&derivatives, &changes, cell.place.photograph), channel, radiance)
+            unknowns.row(guess, (&derivatives, &changes, cell.place.photograph), channel, radiance)
         }),
     }
 }

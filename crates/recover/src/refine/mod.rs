@@ -30,16 +30,17 @@ mod unknowns;
 mod verdict;
 
 use crate::effort::Effort;
+use crate::guess::Guess;
 use crate::problem::{Options, RecoverError};
-use crate::record::{Observer, Status, Termination};
-use crate::state::State;
+use crate::progress::Progress;
+use crate::record::{Status, Termination};
+use crate::sample_budget;
+use crate::streams::Stream;
 use nalgebra::{DMatrix, DVector};
 use normal::Normal;
 use passes::{COARSE, Passes};
 use system::System;
 use unknowns::Unknowns;
-use unrender_render::Settings;
-use unrender_render::sampler::mix;
 
 /// The most refinements; each but the last may end with simpler hypotheses: of groups in sight, of these once more, and
 /// of those out of sight.
@@ -65,101 +66,93 @@ struct Solution {
     failed: bool,
 }
 
-/// Refines all unknowns of `state` together and finds their standard deviations.
+/// Refines all unknowns of `guess` together and finds their standard deviations.
 ///
 /// [`Depth::Coarse`] stops where steps are no longer significant, and judges nothing.
-pub(crate) fn refine(
-    state: &mut State<'_>,
+pub(crate) fn refine<'a>(
+    mut guess: Guess<'a>,
     options: &Options,
     depth: Depth,
-    observer: &mut dyn Observer,
-) -> Termination {
-    state.forget_deviations();
-    free_the_unseen(state);
-    let is_anything_free = |state: &State<'_>| Unknowns::of(state).len() > 0;
-    if !is_anything_free(state) {
-        return Termination::Settled;
+    progress: &mut Progress<'_>,
+) -> (Guess<'a>, Termination) {
+    guess.forget_deviations();
+    free_the_unseen(&mut guess);
+    let is_anything_free = |guess: &Guess<'_>| Unknowns::of(guess).len() > 0;
+    if !is_anything_free(&guess) {
+        return (guess, Termination::Settled);
     }
     let mut passes = Passes::new(options);
     let effort = match depth {
-        Depth::Rough if state.problem.unknown_lights.is_empty() => Effort::Draft,
+        Depth::Rough if guess.problem.unknown_lights.is_empty() => Effort::Draft,
         _ => options.effort,
     };
     if depth != Depth::Fine {
-        passes.approach(state, effort, observer);
-        return Termination::Refined;
+        return (passes.approach(guess, effort, progress), Termination::Refined);
     }
     for round in 1.. {
-        let solution = passes.converge(state, observer);
-        if observer.is_cancelled() {
-            return Termination::Interrupted;
+        let solution;
+        (guess, solution) = passes.converge(guess, progress);
+        if progress.is_cancelled() {
+            return (guess, Termination::Interrupted);
         }
         if solution.failed {
-            return Termination::RefinementFailed;
+            return (guess, Termination::RefinementFailed);
         }
-        if round < ROUNDS_MAX && verdict::simplify(state, &solution, options) {
-            if is_anything_free(state) {
+        if round < ROUNDS_MAX && verdict::simplify(&mut guess, &solution, options, progress) {
+            if is_anything_free(&guess) {
                 continue;
             }
             // The last unknown group is out of sight, and assumed now.
             break;
         }
-        verdict::record(state, &solution);
+        verdict::record(&mut guess, &solution);
         if !solution.settled {
-            return Termination::RefinementLimit;
+            return (guess, Termination::RefinementLimit);
         }
         break;
     }
-    Termination::Refined
+    (guess, Termination::Refined)
 }
 
 /// Groups out of sight are refined too: the verdict may assume them again.
-fn free_the_unseen(state: &mut State<'_>) {
-    for of_group in &mut state.groups {
+fn free_the_unseen(guess: &mut Guess<'_>) {
+    for of_group in &mut guess.groups {
         if of_group.status == Status::Assumed {
             of_group.status = Status::Recovered;
         }
     }
 }
 
-/// Brings the lights and the exposure near enough for the ladder to begin: the exposure by the
-/// anchor's ratio, or both by one Gauss-Newton step on the groups that are known. Then updates the
-/// radiance cache from the photograph.
-pub(crate) fn settle_nuisances(
-    state: &mut State<'_>,
+/// `guess` with the lights and the exposure near enough for the ladder to begin: the exposure by the anchor's ratio, or
+/// both by one Gauss-Newton step on the groups that are known; and with its radiance cache from the photograph.
+pub(crate) fn settle_nuisances<'a>(
+    mut guess: Guess<'a>,
     options: &Options,
-) -> Result<(), RecoverError> {
-    state.look_at_photograph();
-    if state.problem.unknown_lights.is_empty() {
-        state.update_exposure(options)?;
+) -> Result<Guess<'a>, RecoverError> {
+    guess.look_at_photograph();
+    if guess.problem.unknown_lights.is_empty() {
+        guess.update_exposure(options)?;
     } else {
-        adjust_nuisances(state, options);
+        guess = adjust_nuisances(guess, options);
     }
-    state.look_at_photograph();
-    Ok(())
+    guess.look_at_photograph();
+    Ok(guess)
 }
 
-fn adjust_nuisances(state: &mut State<'_>, options: &Options) {
-    let unknowns = Unknowns::nuisances(state);
-    let cells = sample::known(state, options.effort.pixels(COARSE.0), options.seed);
+fn adjust_nuisances<'a>(mut guess: Guess<'a>, options: &Options) -> Guess<'a> {
+    let unknowns = Unknowns::nuisances(&guess);
+    let cells = sample::known(&guess, options.effort.pixels(COARSE.0), options.seed);
     if unknowns.len() == 0 || cells.is_empty() {
-        return;
+        return guess;
     }
     let samples = vec![0..options.effort.samples(COARSE.1); cells.len()];
-    let seed = mix(options.seed ^ 0x11687);
-    let settings = Settings {
-        first: 0,
-        together: crate::sample_budget::TOGETHER,
-        spp: 0,
-        seed,
-        max_bounces: options.max_bounces,
-        integrator: unrender_render::Integrator::Path,
-    };
-    let gather = || means::gather(state, &unknowns, &cells, &samples, &settings);
-    let means = state.steps.value("nuisances", gather);
-    let normal = Normal::of(&means, &unknowns, state.materials.len());
+    let settings = sample_budget::paths(0, Stream::Nuisances.seed(options.seed), options);
+    let gather = || means::gather(&guess, &unknowns, &cells, &samples, &settings);
+    let means = guess.steps.value("nuisances", gather);
+    let normal = Normal::of(&means, &unknowns, guess.materials.len());
     let system = System::new(&unknowns, &normal, &DVector::zeros(unknowns.len()));
-    if let Some(step) = system.step(0.0, &unknowns.bounds(state)) {
-        unknowns.apply(state, &step);
+    if let Some(step) = system.step(0.0, &unknowns.bounds(&guess)) {
+        unknowns.apply(&mut guess, &step);
     }
+    guess
 }

@@ -8,8 +8,8 @@ use super::means::Mean;
 use super::parameters;
 use super::unknowns::Unknowns;
 use crate::effort::Effort;
+use crate::guess::Guess;
 use crate::sample_budget::TOGETHER;
-use crate::state::State;
 use nalgebra::{DMatrix, DVector};
 
 /// Paths a pixel that a cell gets in a pass, at most: what a small highlight may take. At a quarter of it the paths
@@ -37,7 +37,7 @@ const HALVINGS: usize = 60;
 /// `doubt` the uncertainty of the difference; `seen` is what each cell showed so far, and `origins` the variance of
 /// every number by one path there.
 pub(super) fn of(
-    state: &State<'_>,
+    guess: &Guess<'_>,
     (unknowns, effort): (&Unknowns, Effort),
     (covariance, rendering, doubt): (&DMatrix<f64>, &DVector<f64>, &DVector<f64>),
     moved: &[f64],
@@ -49,7 +49,7 @@ pub(super) fn of(
     let mut numbers: Vec<Vec<f64>> = Vec::new();
     for (k, u) in unknowns.list.iter().enumerate() {
         let kind = parameters::of(u.quantity);
-        let precise = effort.deviation(kind.precise_enough(state, u)).powi(2);
+        let precise = effort.deviation(kind.precise_enough(guess, u)).powi(2);
         let other = (covariance[(k, k)] - rendering[k] - DOUBTS * doubt[k]).max(0.0);
         let allowed = (RENDERING_SHARE / (1.0 - RENDERING_SHARE) * other).max(precise);
         let times = (rendering[k] / allowed).min(TIMES_MAX);

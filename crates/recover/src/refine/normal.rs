@@ -3,7 +3,7 @@
 //! With the residuals `r = B - L` and Jacobians `J` of two renderings with independent noise:
 //! `H = sum w sym(J_A^T J_B)` and `g = sum w (J_A^T r_B + J_B^T r_A) / 2`: the noise of a rendering
 //! is never multiplied by itself, so it biases neither. The weight `w` is the inverse variance of a
-//! cell's residual under the observation model ([`crate::model_error`]): the photograph's noise,
+//! cell's residual under the observation model ([`crate::observe::model_error`]): the photograph's noise,
 //! and, measured on all cells of its group, the rendering's noise and the model error, at the
 //! brightness of the model around the cell.
 //!
@@ -15,9 +15,9 @@
 
 use super::means::Mean;
 use super::unknowns::Unknowns;
-use crate::blocks::{Place, neighbours};
-use crate::contrast::share_by;
-use crate::same_place::{self, Seen};
+use crate::compare::share_by;
+use crate::observe::blocks::{Place, neighbours};
+use crate::observe::same_place::{self, Seen};
 use glam::DVec3;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;

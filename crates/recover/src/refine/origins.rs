@@ -7,7 +7,7 @@
 use super::means::Mean;
 use super::normal::Normal;
 use super::sample::Cell;
-use crate::blocks::Place;
+use crate::observe::blocks::Place;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::collections::BTreeMap;

@@ -20,15 +20,16 @@ use super::normal::Normal;
 use super::origins::Origins;
 use super::sample;
 use super::unknowns::Unknowns;
+use crate::compare::WORSE;
 use crate::effort::Effort;
+use crate::guess::Guess;
 use crate::problem::{Options, Role};
-use crate::record::Observer;
-use crate::sample_budget::TOGETHER;
-use crate::state::State;
+use crate::progress::Progress;
+use crate::sample_budget::{self, TOGETHER};
+use crate::streams::Stream;
 use crate::unknown::Quantity;
 use nalgebra::{DMatrix, DVector};
 use unrender_render::Settings;
-use unrender_render::sampler::mix;
 use unrender_scene::Rgb;
 
 /// Pixels of a group at most and paths a pixel, in each of the two renderings, of an approach.
@@ -58,10 +59,6 @@ const BRIGHTER_MAX: usize = 6;
 /// What an accumulation found is dropped after a step of so many standard deviations: it was found too
 /// far away.
 const FAR: f64 = 4.0;
-/// A pass is worse if its weighted squared error is higher by this many standard deviations of the
-/// difference.
-const WORSE: f64 = 3.0;
-
 /// The share of the remaining time that each accumulation of a refinement takes: as a rule the first one is the last,
 /// and a verdict may ask for others.
 const ROUND: f64 = 0.6;
@@ -79,94 +76,95 @@ impl<'o> Passes<'o> {
         Self { options, count: 0, rounds: 0 }
     }
 
-    /// Moves the unknowns of `state` to where they explain the photograph best.
-    pub(super) fn converge(
+    /// Moves the unknowns of `guess` to where they explain the photograph best.
+    pub(super) fn converge<'a>(
         &mut self,
-        state: &mut State<'_>,
-        observer: &mut dyn Observer,
-    ) -> Solution {
+        guess: Guess<'a>,
+        progress: &mut Progress<'_>,
+    ) -> (Guess<'a>, Solution) {
         self.rounds += 1;
-        let unknowns = Unknowns::of(state);
-        let prior = unknowns.prior_mean(state);
+        let unknowns = Unknowns::of(&guess);
+        let prior = unknowns.prior_mean(&guess);
         let effort = self.options.effort;
-        let shown = self.approach_with(state, (&unknowns, &prior), effort, observer);
+        let (guess, shown) = self.approach_with(guess, (&unknowns, &prior), effort, progress);
         let origins = shown.map(|shown| Origins::of(&shown.means, &shown.normal, &shown.inverse));
         let origins = origins.unwrap_or_default();
-        self.accumulate(state, unknowns, (&prior, &origins), observer)
+        self.accumulate(guess, unknowns, (&prior, &origins), progress)
     }
 
     /// The approach alone.
-    pub(super) fn approach(
+    pub(super) fn approach<'a>(
         &mut self,
-        state: &mut State<'_>,
+        guess: Guess<'a>,
         effort: Effort,
-        observer: &mut dyn Observer,
-    ) {
-        let unknowns = Unknowns::of(state);
-        let prior = unknowns.prior_mean(state);
-        self.approach_with(state, (&unknowns, &prior), effort, observer);
+        progress: &mut Progress<'_>,
+    ) -> Guess<'a> {
+        let unknowns = Unknowns::of(&guess);
+        let prior = unknowns.prior_mean(&guess);
+        self.approach_with(guess, (&unknowns, &prior), effort, progress).0
     }
 
     /// Moves `unknowns` to where they explain the photograph best on few paths; if `is_far`, first to where photograph
-    /// and renderings are equally bright. Returns the relative squared error that is left there.
-    pub(super) fn nearest(
+    /// and renderings are equally bright. Returns where they came, and the relative squared error that is left there.
+    pub(super) fn nearest<'a>(
         &mut self,
-        state: &mut State<'_>,
+        mut guess: Guess<'a>,
         unknowns: &Unknowns,
         is_far: bool,
-    ) -> f64 {
-        let prior = unknowns.prior_mean(state);
+    ) -> (Guess<'a>, f64) {
+        let prior = unknowns.prior_mean(&guess);
         let pixels = (Effort::Draft.pixels(COARSE.0), self.pixels_seed());
-        state.look_at_photograph();
+        guess.look_at_photograph();
         let settings = Settings { spp: Effort::Draft.samples(COARSE.1), ..self.settings() };
-        let kept = KeptPaths::new(state, pixels, &settings);
+        let kept = KeptPaths::new(&guess, pixels, &settings);
         for _ in 0..if is_far { BRIGHTER_MAX } else { 0 } {
-            state.look_at_photograph();
-            let means = state.steps.value("pass", || kept.means(state, unknowns));
-            equal_brightness(state, &means);
+            guess.look_at_photograph();
+            let means = guess.steps.value("pass", || kept.means(&guess, unknowns));
+            equal_brightness(&mut guess, &means);
         }
-        self.steps(state, unknowns, &prior, &kept, &mut ());
-        state.look_at_photograph();
-        let means = state.steps.value("pass", || kept.means(state, unknowns));
-        relative_error(&Normal::of(&means, unknowns, state.materials.len()), &means)
+        let (mut guess, _) = self.steps(guess, unknowns, &prior, &kept, None);
+        guess.look_at_photograph();
+        let means = guess.steps.value("pass", || kept.means(&guess, unknowns));
+        let left = relative_error(&Normal::of(&means, unknowns, guess.materials.len()), &means);
+        (guess, left)
     }
 
-    /// The same; returns what its paths showed at the end, none if no equations could be solved.
-    fn approach_with(
+    /// The same, with what its paths showed at the end, none if no equations could be solved.
+    fn approach_with<'a>(
         &mut self,
-        state: &mut State<'_>,
+        mut guess: Guess<'a>,
         (unknowns, prior): (&Unknowns, &DVector<f64>),
         effort: Effort,
-        observer: &mut dyn Observer,
-    ) -> Option<Evaluated> {
+        progress: &mut Progress<'_>,
+    ) -> (Guess<'a>, Option<Evaluated>) {
         let pixels = (effort.pixels(COARSE.0), self.pixels_seed());
         let spp = effort.samples(COARSE.1);
         let mut shown = None;
         for _ in 0..TRACED_MAX {
-            let what = if state.schedule.is_refining() { "refining" } else { "fitting" };
-            observer.working(&format!("{what} all groups together"), state.schedule.share(0.0));
-            state.look_at_photograph();
+            let what = if progress.is_refining() { "refining" } else { "fitting" };
+            progress.working(&format!("{what} all groups together"), 0.0);
+            guess.look_at_photograph();
             let settings = Settings { spp, ..self.settings() };
-            let kept = KeptPaths::new(state, pixels, &settings);
-            shown = self.steps(state, unknowns, prior, &kept, observer);
-            if kept.carry(state) || observer.is_cancelled() {
+            let kept = KeptPaths::new(&guess, pixels, &settings);
+            (guess, shown) = self.steps(guess, unknowns, prior, &kept, Some(progress));
+            if kept.carry(&guess) || progress.is_cancelled() {
                 break;
             }
         }
-        shown
+        (guess, shown)
     }
 
     /// Steps on the same paths, while they are significant, and what they showed at the end.
     fn steps<'a>(
         &self,
-        state: &mut State<'a>,
+        guess: Guess<'a>,
         unknowns: &Unknowns,
         prior: &DVector<f64>,
         kept: &KeptPaths<'a>,
-        observer: &mut dyn Observer,
-    ) -> Option<Evaluated> {
-        if observer.is_cancelled() {
-            return None;
+        mut progress: Option<&mut Progress<'_>>,
+    ) -> (Guess<'a>, Option<Evaluated>) {
+        if progress.as_ref().is_some_and(|progress| progress.is_cancelled()) {
+            return (guess, None);
         }
         let descent = Descent {
             unknowns,
@@ -175,58 +173,59 @@ impl<'o> Passes<'o> {
             significant: SIGNIFICANT,
             worse: WORSE,
         };
-        let show = |state: &State<'a>| state.steps.value("pass", || kept.means(state, unknowns));
-        descent.run(state, &show, &mut |state, Taken { number, step, error, errors }| {
+        let show = |guess: &Guess<'a>| guess.steps.value("pass", || kept.means(guess, unknowns));
+        descent.run(guess, &show, &mut |guess, Taken { number, step, error, errors }| {
+            let Some(progress) = &mut progress else { return true };
             let done = self.within(0.1 + 0.3 * *number as f64 / STEPS_MAX as f64);
-            tell(state, observer, unknowns, (step, *error, errors), done);
-            !observer.is_cancelled()
+            tell(guess, progress, unknowns, (step, *error, errors), done);
+            !progress.is_cancelled()
         })
     }
 
     /// Fresh paths, and more of them where they are lacking.
-    fn accumulate(
+    fn accumulate<'a>(
         &mut self,
-        state: &mut State<'_>,
+        mut guess: Guess<'a>,
         unknowns: Unknowns,
         (prior, origins): (&DVector<f64>, &Origins),
-        observer: &mut dyn Observer,
-    ) -> Solution {
+        progress: &mut Progress<'_>,
+    ) -> (Guess<'a>, Solution) {
         let effort = self.options.effort;
         let settings = self.settings();
         let [known, unknown] = FINE;
-        let spp = if state.problem.unknown_lights.is_empty() { known } else { unknown };
+        let spp = if guess.problem.unknown_lights.is_empty() { known } else { unknown };
         let first = effort.samples(spp).max(TOGETHER);
         let mut average: Vec<Mean> = Vec::new();
         let (pixels, passes_max) = match effort {
             Effort::Draft => (PIXELS_DRAFT, PASSES_DRAFT),
             Effort::Normal | Effort::High => (effort.pixels(PIXELS), PASSES_MAX),
         };
-        let mut cells = sample::all(state, pixels, self.pixels_seed());
+        let mut cells = sample::all(&guess, pixels, self.pixels_seed());
         let origins = origins.of_cells(&cells, unknowns.len());
         let mut samples = vec![0..first; cells.len()];
         let mut stated = DMatrix::zeros(unknowns.len(), unknowns.len());
         let (mut settled, mut failed) = (false, false);
         for pass in 1..=passes_max {
-            if observer.is_cancelled() {
+            if progress.is_cancelled() {
                 break;
             }
-            state.look_at_photograph();
-            sample::expose(state, &mut cells);
-            let gather = || means::gather(state, &unknowns, &cells, &samples, &settings);
-            means::average(&mut average, state.steps.value("pass", gather));
-            let normal = Normal::of(&average, &unknowns, state.materials.len());
-            let system = system(state, &unknowns, &normal, prior);
+            guess.look_at_photograph();
+            sample::expose(&guess, &mut cells);
+            let gather = || means::gather(&guess, &unknowns, &cells, &samples, &settings);
+            means::average(&mut average, guess.steps.value("pass", gather));
+            let normal = Normal::of(&average, &unknowns, guess.materials.len());
+            let system = system(&guess, &unknowns, &normal, prior);
             let covariance = system.covariance();
             stated = system.stated_covariance();
-            let Some(step) = system.step(0.0, &unknowns.bounds(state)) else {
+            let Some(step) = system.step(0.0, &unknowns.bounds(&guess)) else {
                 failed = true;
                 break;
             };
-            let step = unknowns.apply(state, &step);
+            let step = unknowns.apply(&mut guess, &step);
             let error = relative_error(&normal, &average);
             let done = self.within(0.4 + 0.6 * pass as f64 / passes_max as f64);
-            let errors = means::relative_errors(&average, state.materials.len());
-            tell(state, observer, &unknowns, (&step, error, &errors), done);
+            let errors = means::relative_errors(&average, guess.materials.len());
+            tell(&guess, progress, &unknowns, (&step, error, &errors), done);
             let moved = in_deviations(&step, &covariance);
             settled = moved.iter().all(|moved| *moved <= 1.0);
             let rendering = system.rendering_variance();
@@ -238,7 +237,7 @@ impl<'o> Passes<'o> {
                 average.iter_mut().for_each(|mean| mean.move_by(&step));
                 let variances = (&covariance, &rendering, &normal.doubt);
                 needs::of(
-                    state,
+                    &guess,
                     (&unknowns, effort),
                     variances,
                     &moved,
@@ -251,7 +250,7 @@ impl<'o> Passes<'o> {
             }
             samples.iter_mut().zip(paths).for_each(|(s, paths)| *s = s.end..s.end + paths);
         }
-        Solution { unknowns, covariance: stated, settled, failed }
+        (guess, Solution { unknowns, covariance: stated, settled, failed })
     }
 
     /// The share of the refinement that is done where `done` of its present accumulation is.
@@ -265,34 +264,28 @@ impl<'o> Passes<'o> {
     /// The settings of the next rendering, but for its paths a pixel.
     fn settings(&mut self) -> Settings {
         self.count += 1;
-        Settings {
-            first: 0,
-            together: TOGETHER,
-            spp: 0,
-            seed: mix(self.options.seed ^ 0x4EF1_4E00).wrapping_add(self.count << 8),
-            max_bounces: self.options.max_bounces,
-            integrator: unrender_render::Integrator::Path,
-        }
+        let seed = self.pixels_seed().wrapping_add(self.count << 8);
+        sample_budget::paths(0, seed, self.options)
     }
 
     /// The seed of the choice of pixels, which is the same in all passes.
     fn pixels_seed(&self) -> u64 {
-        mix(self.options.seed ^ 0x4EF1_4E00)
+        Stream::Refinement.seed(self.options.seed)
     }
 }
 
 /// Makes the photograph as bright as the known groups are in the renderings `means`, or as all are where none is known,
 /// and then each group as bright as it.
-fn equal_brightness(state: &mut State<'_>, means: &[Mean]) {
-    let roles: Vec<Role> = state.problem.groups.iter().map(|group| group.role).collect();
+fn equal_brightness(guess: &mut Guess<'_>, means: &[Mean]) {
+    let roles: Vec<Role> = guess.problem.groups.iter().map(|group| group.role).collect();
     let is_any_known = means.iter().any(|mean| roles[mean.group] == Role::Known);
     let tells = |group: usize| !is_any_known || roles[group] == Role::Known;
     let factor = means::brightness(means, tells);
-    state.exposure *= factor;
-    for (group, spec) in state.problem.groups.iter().enumerate() {
+    guess.exposure *= factor;
+    for (group, spec) in guess.problem.groups.iter().enumerate() {
         if spec.role == Role::Unknown {
             let ratio = factor / means::brightness(means, |g| g == group);
-            let material = &mut state.materials[group];
+            let material = &mut guess.materials[group];
             material.rho_d = (material.rho_d * ratio).clamp(Rgb::ZERO, Rgb::ONE);
             if material.reflectance.is_free() {
                 material.rho_s = (material.rho_s * ratio).clamp(Rgb::ZERO, Rgb::ONE);
@@ -304,8 +297,8 @@ fn equal_brightness(state: &mut State<'_>, means: &[Mean]) {
 
 /// Notes the end of a pass that ended with a step.
 fn tell(
-    state: &mut State<'_>,
-    observer: &mut dyn Observer,
+    guess: &Guess<'_>,
+    progress: &mut Progress<'_>,
     unknowns: &Unknowns,
     (step, error, errors): (&DVector<f64>, f64, &[Option<f64>]),
     done: f64,
@@ -314,5 +307,5 @@ fn tell(
     let steps = unknowns.list.iter().zip(step.iter());
     let change = steps.filter(|(u, _)| reflectance(u.quantity)).map(|(_, s)| s.abs());
     let change = change.fold(0.0, f64::max);
-    observer.iteration(state.end_pass(change, (error.max(0.0).sqrt(), errors), done));
+    progress.end_pass(guess, change, (error.max(0.0).sqrt(), errors), done);
 }

@@ -62,12 +62,12 @@ pub(super) fn find(list: &[Unknown], at: At<'_>) -> Vec<Relation> {
         if kind.is_nuisance() {
             return None;
         }
-        let Like { group, within } = at.state.problem.groups[unknown.of].expected.like?;
-        let other = &at.state.groups[group].hypothesis;
+        let Like { group, within } = at.guess.problem.groups[unknown.of].expected.like?;
+        let other = &at.guess.groups[group].hypothesis;
         let is_uniform = |hypothesis: &Hypothesis| *hypothesis != Hypothesis::Textured;
-        let own = &at.state.groups[unknown.of].hypothesis;
+        let own = &at.guess.groups[unknown.of].hypothesis;
         let has_it =
-            hypothesis::quantities(*other, &at.state.materials[group]).contains(&unknown.quantity);
+            hypothesis::quantities(*other, &at.guess.materials[group]).contains(&unknown.quantity);
         if !(has_it && is_uniform(other) && is_uniform(own)) {
             return None;
         }
@@ -76,7 +76,7 @@ pub(super) fn find(list: &[Unknown], at: At<'_>) -> Vec<Relation> {
         let deviation = kind.likeness(value, within)?;
         let other = match list.iter().position(|unknown| *unknown == named) {
             Some(place) => Other::Unknown(place),
-            None if at.state.problem.groups[group].role == Role::Known => Other::Fixed(value),
+            None if at.guess.problem.groups[group].role == Role::Known => Other::Fixed(value),
             None => return None,
         };
         Some(Relation { unknown: index, other, deviation })
@@ -88,13 +88,13 @@ pub(super) fn find(list: &[Unknown], at: At<'_>) -> Vec<Relation> {
 /// Neighbouring parts of an unknown environment differ by about [`SMOOTH`] of the mean of such parts, channel by
 /// channel.
 fn neighbours<'a>(list: &'a [Unknown], at: At<'a>) -> impl Iterator<Item = Relation> + 'a {
-    let pairs = &at.state.problem.neighbouring_lights;
+    let pairs = &at.guess.problem.neighbouring_lights;
     let place = |of: usize, channel: usize| {
         let wanted = Unknown { quantity: Quantity::Light, of, channel: Some(channel) };
         list.iter().position(|unknown| *unknown == wanted)
     };
     let mean = |channel: usize| {
-        let factors = pairs.iter().flatten().map(|of| at.state.appearance().light(*of as u32));
+        let factors = pairs.iter().flatten().map(|of| at.guess.appearance().light(*of as u32));
         factors.map(|factor| f64::from(factor[channel])).sum::<f64>() / (2 * pairs.len()) as f64
     };
     (0..3).flat_map(move |channel| {

@@ -1,10 +1,10 @@
 //! The pixels of a refinement pass, in blocks.
 
-use crate::blocks::{Grid, Place};
-use crate::evidence::{Observed, Stage, observe};
-use crate::observation::Reading;
+use crate::guess::Guess;
+use crate::observe::blocks::{Grid, Place};
+use crate::observe::observation::Reading;
+use crate::observe::sample::{Observed, Stage};
 use crate::problem::Role;
-use crate::state::State;
 use glam::Vec3;
 use std::collections::BTreeMap;
 use unrender_scene::Hypothesis;
@@ -31,44 +31,44 @@ pub(crate) struct Cell {
 
 /// At most `per_group` pixels of every group whose residual says something: those that are free or
 /// known, not textures (which explain every pixel) and not lights (unless they are unknown).
-pub(crate) fn all(state: &State<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
-    let says_something = |group: &usize| match state.problem.groups[*group].role {
-        Role::Emitter => state.problem.unknown_lights.contains(group),
-        _ => state.groups[*group].hypothesis != Hypothesis::Textured,
+pub(crate) fn all(guess: &Guess<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
+    let says_something = |group: &usize| match guess.problem.groups[*group].role {
+        Role::Emitter => guess.problem.unknown_lights.contains(group),
+        _ => guess.groups[*group].hypothesis != Hypothesis::Textured,
     };
-    let groups = (0..state.materials.len()).filter(says_something);
-    let mut cells = cells(&state.stage(), groups, per_group, seed);
-    expose(state, &mut cells);
+    let groups = (0..guess.materials.len()).filter(says_something);
+    let mut cells = cells(&guess.stage(), groups, per_group, seed);
+    expose(guess, &mut cells);
     cells
 }
 
 /// At most `per_group` pixels of `group`.
-pub(super) fn of_group(state: &State<'_>, group: usize, per_group: usize, seed: u64) -> Vec<Cell> {
-    let mut cells = cells(&state.stage(), std::iter::once(group), per_group, seed);
-    expose(state, &mut cells);
+pub(super) fn of_group(guess: &Guess<'_>, group: usize, per_group: usize, seed: u64) -> Vec<Cell> {
+    let mut cells = cells(&guess.stage(), std::iter::once(group), per_group, seed);
+    expose(guess, &mut cells);
     cells
 }
 
 /// Takes the radiances of `cells`, and their noise, by the exposure and the camera's numbers as they stand in
-/// `state`.
-pub(super) fn expose(state: &State<'_>, cells: &mut [Cell]) {
+/// `guess`.
+pub(super) fn expose(guess: &Guess<'_>, cells: &mut [Cell]) {
     for cell in cells {
         for seen in &mut cell.pixels {
-            seen.radiance = state.exposure * state.value(seen.pixel as usize);
-            seen.noise = state.observation.noise(cell.group, seen.pixel, state.exposure);
+            seen.radiance = guess.exposure * guess.value(seen.pixel as usize);
+            seen.noise = guess.observation.noise(cell.group, seen.pixel, guess.exposure);
         }
     }
 }
 
 /// At most `per_group` pixels of every group that is known, and of every unknown light.
-pub(crate) fn known(state: &State<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
-    let known = |group: &usize| match state.problem.groups[*group].role {
-        Role::Emitter => state.problem.unknown_lights.contains(group),
+pub(crate) fn known(guess: &Guess<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
+    let known = |group: &usize| match guess.problem.groups[*group].role {
+        Role::Emitter => guess.problem.unknown_lights.contains(group),
         Role::Known => true,
         Role::Unknown => false,
     };
-    let groups = (0..state.materials.len()).filter(known);
-    cells(&state.stage(), groups, per_group, seed)
+    let groups = (0..guess.materials.len()).filter(known);
+    cells(&guess.stage(), groups, per_group, seed)
 }
 
 /// The cells of `groups`, group by group.
@@ -91,7 +91,7 @@ fn cells(
         );
         let count = stage.observation.sheet.of_all(per_group);
         let wanted = grid.sample(valid, count, seed ^ group as u64);
-        for seen in observe(stage.observation, stage.exposure, group, &wanted) {
+        for seen in stage.observe(group, &wanted) {
             let bound = seen.reading == Reading::AtLeast;
             cells.entry((group, grid.place(seen.pixel), bound)).or_default().push(seen);
         }

@@ -9,22 +9,19 @@ use super::normal::{Normal, dependence};
 use super::passes::COARSE;
 use super::system::System;
 use super::unknowns::Unknowns;
+use crate::compare::Measured;
 use crate::effort::Effort;
 use crate::fit::quadratic::{Bounds, minimise};
+use crate::guess::Guess;
 use crate::hypothesis::{self, Hypothesis};
 use crate::problem::Options;
-use crate::sample_budget::TOGETHER;
+use crate::sample_budget::{self, TOGETHER};
 use crate::selection::parameters;
-use crate::state::{Snapshot, State};
+use crate::streams::Stream;
 use crate::unknown::{Quantity, Unknown};
 use nalgebra::DVector;
 use serde::{Deserialize, Serialize};
-use unrender_render::sampler::mix;
-use unrender_render::{Integrator, Settings};
 use unrender_scene::{Material, Rgb};
-
-/// Changes the seed: the paths of a comparison differ from those of the test.
-const JUDGING: u64 = 0x7D6E;
 
 /// What a specular part of one group would do.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -36,9 +33,8 @@ pub(crate) struct Gain {
 }
 
 /// What a specular part of the roughness `alpha`, or a mirror's, would gain for each of `groups`, which are diffuse.
-/// `state` is afterwards what it was.
 pub(crate) fn gains(
-    state: &mut State<'_>,
+    guess: &Guess<'_>,
     options: &Options,
     groups: &[usize],
     alpha: Option<f32>,
@@ -46,14 +42,7 @@ pub(crate) fn gains(
     if groups.is_empty() {
         return Vec::new();
     }
-    let gains = state.step("score test", |state| {
-        let before = state.snapshot();
-        let gains = test(state, options, groups, alpha);
-        state.restore(&before);
-        gains
-    });
-    state.look_at_photograph();
-    gains
+    guess.steps.value("score test", || test(guess, options, groups, alpha))
 }
 
 /// The hypothesis of a surface that is diffuse and has a specular part of this roughness, and its material.
@@ -64,31 +53,26 @@ pub(crate) fn with_specular(rho_d: Rgb, rho_s: Rgb, alpha: Option<f32>) -> (Hypo
     }
 }
 
-/// How much better the state `specular` explains the pixels of the groups other than `group` than the state `diffuse`,
-/// in standard deviations: the mean gain of a cell, less the cost of the additional parameters [Schwarz 1978], over its
-/// spread [Vuong 1989], on common paths that neither was fitted on. The group's own pixels do not count: they were
-/// tested alone, where slow changes over them may be errors of the light, which a needless lobe explains. `state` is
-/// afterwards what it was.
-pub(crate) fn certainty(
-    state: &mut State<'_>,
+/// How much better the guess `specular` explains the pixels of the groups other than `group` than the guess `diffuse`,
+/// the gain of all cells beside its spread [Vuong 1989] and the cost of the additional parameters [Schwarz 1978], on common
+/// paths that neither was fitted on. The group's own pixels do not count: they were
+/// tested alone, where slow changes over them may be errors of the light, which a needless lobe explains.
+pub(crate) fn gain_of_others(
     options: &Options,
     group: usize,
-    [specular, diffuse]: [&Snapshot; 2],
-) -> f64 {
-    let now = state.snapshot();
-    state.restore(specular);
+    [specular, diffuse]: [&Guess<'_>; 2],
+) -> Measured {
     let half = Rgb::splat(0.5);
-    (state.materials[group].rho_d, state.materials[group].rho_s) = (half, half);
-    let kept = paths(state, options, JUDGING);
-    let unknowns = Unknowns::none(state);
-    let [mine, other] = [specular, diffuse].map(|snapshot| {
-        state.restore(snapshot);
-        state.look_at_photograph();
-        state.steps.value("pass", || kept.means(state, &unknowns))
+    let mut drawn = specular.clone();
+    (drawn.materials[group].rho_d, drawn.materials[group].rho_s) = (half, half);
+    let kept = paths(drawn, options, Stream::Judging);
+    let unknowns = Unknowns::none(specular);
+    let [mine, other] = [specular, diffuse].map(|guess| {
+        let mut guess = guess.clone();
+        guess.look_at_photograph();
+        guess.steps.value("pass", || kept.means(&guess, &unknowns))
     });
-    state.restore(&now);
-    state.look_at_photograph();
-    let normal = Normal::of(&mine, &unknowns, state.materials.len());
+    let normal = Normal::of(&mine, &unknowns, specular.materials.len());
     let dependence = dependence(&mine, &normal.weights);
     let (mut gain, mut variance, mut independent) = (0.0, 0.0, 0.0);
     let cells = mine.iter().zip(&other).zip(&normal.weights);
@@ -100,48 +84,41 @@ pub(crate) fn certainty(
         variance += share * more * more;
         independent += share;
     }
-    let free = |snapshot: &Snapshot| {
-        let material = snapshot.material(group);
+    let free = |guess: &Guess<'_>| {
+        let material = &guess.materials[group];
         parameters(hypothesis::of(material), material)
     };
     let cost = (free(specular) - free(diffuse)) * f64::max(independent, 1.0).ln();
-    (gain - cost) / variance.sqrt().max(f64::MIN_POSITIVE)
+    let deviation = variance.sqrt().max(f64::MIN_POSITIVE);
+    Measured { holds: gain > cost, difference: -gain, deviation, price: cost, paths: TOGETHER }
 }
 
-/// A draft's paths, drawn from the materials of `state`; they end only on what is diffuse in these.
-fn paths<'a>(state: &mut State<'a>, options: &Options, purpose: u64) -> KeptPaths<'a> {
-    state.look_at_photograph();
+/// A draft's paths, drawn from the materials of `guess`; they end only on what is diffuse in these.
+fn paths<'a>(mut guess: Guess<'a>, options: &Options, purpose: Stream) -> KeptPaths<'a> {
+    guess.look_at_photograph();
     let effort = Effort::Draft;
-    let settings = Settings {
-        first: 0,
-        together: TOGETHER,
-        spp: TOGETHER,
-        seed: mix(options.seed ^ 0x5C02_E7E5 ^ purpose),
-        max_bounces: options.max_bounces,
-        integrator: Integrator::Path,
-    };
-    KeptPaths::new(state, (effort.pixels(COARSE.0), settings.seed), &settings)
+    let seed = Stream::ScoreTest.seed(purpose.change(options.seed));
+    let settings = sample_budget::paths(TOGETHER, seed, options);
+    KeptPaths::new(&guess, (effort.pixels(COARSE.0), settings.seed), &settings)
 }
 
-fn test(
-    state: &mut State<'_>,
-    options: &Options,
-    groups: &[usize],
-    alpha: Option<f32>,
-) -> Vec<Gain> {
-    let put = |state: &mut State<'_>, group: usize, rho_d: Rgb, rho_s: Rgb| {
-        let (hypothesis, material) = with_specular(rho_d, rho_s, alpha);
-        (state.groups[group].hypothesis, state.materials[group]) = (hypothesis, material);
+fn test(present: &Guess<'_>, options: &Options, groups: &[usize], alpha: Option<f32>) -> Vec<Gain> {
+    let with = |rho: &dyn Fn(usize) -> [Rgb; 2]| {
+        let mut guess = present.clone();
+        for &group in groups {
+            let [rho_d, rho_s] = rho(group);
+            let (hypothesis, material) = with_specular(rho_d, rho_s, alpha);
+            (guess.groups[group].hypothesis, guess.materials[group]) = (hypothesis, material);
+        }
+        guess
     };
-    let present: Vec<Rgb> = groups.iter().map(|group| state.materials[*group].rho_d).collect();
     // Half of the paths leave a surface by a cosine and half by its specular part: they carry both.
-    let half = Rgb::splat(0.5);
-    groups.iter().for_each(|group| put(state, *group, half, half));
-    let kept = paths(state, options, 0);
-    groups.iter().zip(present).for_each(|(group, rho_d)| put(state, *group, rho_d, Rgb::ZERO));
-    let unknowns = Unknowns::of(state);
-    let means = kept.means(state, &unknowns);
-    let normal = Normal::of(&means, &unknowns, state.materials.len());
+    let kept = paths(with(&|_| [Rgb::splat(0.5); 2]), options, Stream::Searching);
+    let mut guess = with(&|group| [present.materials[group].rho_d, Rgb::ZERO]);
+    guess.look_at_photograph();
+    let unknowns = Unknowns::of(&guess);
+    let means = kept.means(&guess, &unknowns);
+    let normal = Normal::of(&means, &unknowns, guess.materials.len());
     let system = System::new(&unknowns, &normal, &DVector::zeros(unknowns.len()));
     let is_asked = |u: &Unknown| u.quantity == Quantity::RhoS && groups.contains(&u.of);
     let places = |of: &dyn Fn(&Unknown) -> bool| -> Vec<usize> {

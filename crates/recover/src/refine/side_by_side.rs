@@ -2,37 +2,32 @@
 //!
 //! Each is fitted by Gauss-Newton to the group's pixels, and they are compared on other paths ([`super::contenders`]):
 //! what one of them gained by the noise of the paths that it was fitted on, it does not gain there. Their residuals are
-//! compared under the observation model ([`crate::contrast`]) and one is chosen as always ([`crate::selection`]), with
+//! compared under the observation model ([`crate::compare`]) and one is chosen as always ([`crate::selection`]), with
 //! the independent blocks as observations. Where the noise of the paths leaves the choice open, those that remain are
 //! compared on more paths.
 
-use super::contenders::{self, Contender, PixelSample, Rung};
-use crate::block_residuals::BlockResiduals;
-use crate::contrast::{Contrast, Side};
-use crate::criterion::Excess;
+use super::contenders::{self, Contender, Rung};
+use crate::compare::Difference;
+use crate::compare::{Contrast, Side};
 use crate::effort::Effort;
-use crate::model_error::{Allowance, LightError, ModelError};
+use crate::guess::Guess;
+use crate::observe::model_error::{Allowance, LightError, ModelError};
+use crate::observe::sample::Sample;
 use crate::problem::Options;
-use crate::sample_budget::TOGETHER;
-use crate::selection::{self, parameters};
-use crate::state::State;
-use unrender_render::sampler::mix;
-use unrender_render::{Integrator, Settings};
+use crate::sample_budget;
+use crate::selection::{self, Choice, parameters};
+use crate::streams::Stream;
 
 /// Paths in each of two renderings, for fits and again for the comparison: at first, and where the answer is open. With
 /// double, two rooms take as long and have the same groups right; half of it was not tried.
 const PATHS: [u32; 2] = [1 << 16, 1 << 18];
 
-/// The result of the comparison.
-pub(crate) struct Choice {
-    /// The chosen one: the simplest that no other certainly beats.
-    pub(crate) chosen: usize,
+/// The rungs of a group, compared.
+pub(crate) struct Compared {
     /// All of them, as they were fitted last.
     pub(crate) rungs: Vec<Rung>,
-    /// The information criterion of each less that of the one that was chosen when they were compared last.
-    pub(crate) excess: Vec<f64>,
-    /// The more complex ones that all paths together leave open.
-    pub(crate) open: Vec<usize>,
+    /// Which one, by their last comparison.
+    pub(crate) choice: Choice,
 }
 
 /// How a group's rungs are compared.
@@ -46,85 +41,67 @@ pub(crate) struct Criteria<'o> {
     pub(crate) most: LightError,
 }
 
-/// How much more one rung leaves than another, in units of its covariance, the variance of that due to the noise of the
-/// paths, and the share of independent blocks.
-#[derive(Clone, Copy)]
-struct Difference {
-    value: f64,
-    variance: f64,
-    independent: f64,
-}
-
 /// Those that are compared.
 struct Contenders<'a> {
     all: &'a [Contender],
-    sample: &'a PixelSample,
+    sample: &'a Sample,
     floor: ModelError,
 }
 
-/// Compares `rungs` of `group`, which go from simple to complex. The group does not change. If no pixel shows it, the
-/// simplest is chosen.
+/// Compares `rungs` of `group`, which go from simple to complex. If no pixel shows it, the simplest is chosen.
 pub(crate) fn compare(
-    state: &mut State<'_>,
+    guess: &Guess<'_>,
     by: &Criteria<'_>,
     group: usize,
     rungs: Vec<Rung>,
-) -> Choice {
-    let of_group = &state.groups[group];
-    let present =
-        Rung { hypothesis: of_group.hypothesis, material: state.materials[group].clone() };
+) -> Compared {
     let starts = rungs.clone();
     let mut competing: Vec<usize> = (0..rungs.len()).collect();
-    let mut choice = Choice { chosen: 0, excess: vec![0.0; rungs.len()], open: Vec::new(), rungs };
-    if state.observation.informative_of_group[group].is_empty() {
-        return choice;
+    let excess = vec![Difference::default(); rungs.len()];
+    let choice = Choice { chosen: 0, excess, open: Vec::new() };
+    let mut compared = Compared { rungs, choice };
+    if guess.observation.informative_of_group[group].is_empty() {
+        return compared;
     }
     for (level, paths) in PATHS.into_iter().enumerate() {
-        let settings = Settings {
-            first: 0,
-            together: TOGETHER,
-            spp: state.observation.sheet.of_all(by.effort.samples(paths) as usize) as u32,
-            seed: mix(by.options.seed ^ 0xBE51DE ^ ((level as u64) << 32)),
-            max_bounces: by.options.max_bounces,
-            integrator: Integrator::Path,
-        };
+        let spp = guess.observation.sheet.of_all(by.effort.samples(paths) as usize) as u32;
+        let seed = Stream::SideBySide.seed(by.options.seed ^ ((level as u64) << 32));
+        let settings = sample_budget::paths(spp, seed, by.options);
         let rungs: Vec<Rung> = competing.iter().map(|i| starts[*i].clone()).collect();
         let allowed = (by.allowance, by.most);
-        let (found, sample) = contenders::fit_and_render(state, group, rungs, allowed, settings);
+        let (found, sample) = contenders::fit_and_render(guess, group, rungs, allowed, settings);
         for (i, contender) in competing.iter().zip(&found) {
-            choice.rungs[*i] = contender.rung.clone();
+            compared.rungs[*i] = contender.rung.clone();
         }
         let found = Contenders { all: &found, sample: &sample, floor: by.allowance.floor };
-        choice.choose(&competing, &found, by.options.thresholds.simpler);
+        let choice = &mut compared.choice;
+        found.choose(&competing, choice, by.options.thresholds.simpler);
         if choice.open.is_empty() {
             break;
         }
         competing = std::iter::once(choice.chosen).chain(choice.open.iter().copied()).collect();
     }
-    present.put(state, group);
-    choice
-}
-
-impl Choice {
-    /// Chooses among the `competing` ones by what was `found`. With `simpler`, the simplest is preferred whose error is
-    /// at most so many times the least.
-    fn choose(&mut self, competing: &[usize], found: &Contenders<'_>, simpler: Option<f64>) {
-        let errors: Vec<f64> = (0..competing.len()).map(|i| found.error(i)).collect();
-        let pairs = found.pairs();
-        let (chosen, open) = selection::choose(&errors, simpler, |i, j| pairs[i][j]);
-        for (i, place) in competing.iter().enumerate() {
-            self.excess[*place] = pairs[i][chosen].value;
-        }
-        self.chosen = competing[chosen];
-        self.open = open.into_iter().map(|i| competing[i]).collect();
-    }
+    compared
 }
 
 impl Contenders<'_> {
+    /// Changes the `choice` to one among the `competing` ones, which these are. With `simpler`, the simplest is preferred
+    /// whose error is at most so many times the least.
+    fn choose(&self, competing: &[usize], choice: &mut Choice, simpler: Option<f64>) {
+        let errors: Vec<f64> = (0..competing.len()).map(|i| self.error(i)).collect();
+        let pairs = self.pairs();
+        let (chosen, open) = selection::choose(&errors, simpler, |i, j| pairs[i][j]);
+        for (i, place) in competing.iter().enumerate() {
+            choice.excess[*place] = pairs[i][chosen];
+        }
+        choice.chosen = competing[chosen];
+        choice.open = open.into_iter().map(|i| competing[i]).collect();
+    }
+
     /// The information criterion of each less that of each.
-    fn pairs(&self) -> Vec<Vec<Excess>> {
+    fn pairs(&self) -> Vec<Vec<Difference>> {
         let n = self.all.len();
-        let mut pairs = vec![vec![Excess::default(); n]; n];
+        let mut pairs = vec![vec![Difference::default(); n]; n];
         for i in 0..n {
             for j in i + 1..n {
                 let excess = self.excess([&self.all[i], &self.all[j]]);
@@ -135,51 +112,44 @@ impl Contenders<'_> {
     }
 
     /// The information criterion of `a` less that of `b`.
-    fn excess(&self, [a, b]: [&Contender; 2]) -> Excess {
-        let Difference { value, variance, independent } = self.difference([a, b]);
+    fn excess(&self, [a, b]: [&Contender; 2]) -> Difference {
+        let Some(Contrast { difference, noise, independent, .. }) = self.contrast([a, b]) else {
+            return Difference { value: 0.0, deviation: f64::INFINITY, price: 0.0 };
+        };
         let [first, second] = [a, b].map(|of| parameters(of.rung.hypothesis, &of.rung.material));
         let count = (independent * self.sample.blocks.len() as f64).max(1.0);
         // Each is compared without the loss by the noise of its fit, which is a sum of squares.
-        let corrected = value + b.loss - a.loss;
-        let variance = variance + 2.0 * (a.loss + b.loss);
-        let value = independent * corrected + (first - second) * count.ln();
-        Excess { value, deviation: independent * variance.sqrt() }
+        let corrected = difference + b.loss - a.loss;
+        let variance = noise + 2.0 * (a.loss + b.loss);
+        let price = (first - second) * count.ln();
+        let value = independent * corrected + price;
+        Difference { value, deviation: independent * variance.sqrt(), price }
     }
 
     /// How much more `a` leaves than `b`. On paths that carry both, most of their noise is common to both; else each is
     /// compared with the simplest one on its own paths, which carry that too.
-    fn difference(&self, [a, b]: [&Contender; 2]) -> Difference {
+    fn contrast(&self, [a, b]: [&Contender; 2]) -> Option<Contrast> {
         let on = |a: &Contender, of_a: usize, b: &Contender, of_b: usize| {
             let both = [a.residuals[of_a].as_ref()?, b.residuals[of_b].as_ref()?];
-            Some(self.difference_of(both))
+            let (field, floor) = (&self.sample.field, self.floor);
+            let sides = both.map(|residuals| Side { residuals, field, floor });
+            Some(Contrast::of(&self.sample.blocks, sides.each_ref()))
         };
         let common = [b.drawn, a.drawn].into_iter().find_map(|drawn| on(a, drawn, b, drawn));
-        let simplest = &self.all[0];
-        let beside_simplest = |of: &Contender| on(of, of.drawn, simplest, of.drawn);
-        let apart = || {
-            let direct = on(a, a.drawn, b, b.drawn).unwrap_or(Difference::UNKNOWN);
-            let (Some(a), Some(b)) = (beside_simplest(a), beside_simplest(b)) else {
-                return direct;
-            };
-            let by = Difference {
-                value: a.value - b.value,
-                variance: a.variance + b.variance,
-                independent: direct.independent,
-            };
-            if by.variance < direct.variance { by } else { direct }
-        };
-        common.unwrap_or_else(apart)
-    }
-
-    fn difference_of(&self, both: [&BlockResiduals; 2]) -> Difference {
-        let (field, floor) = (&self.sample.field, self.floor);
-        let sides = both.map(|residuals| Side { residuals, field, floor });
-        let contrast = Contrast::of(&self.sample.blocks, sides.each_ref());
-        Difference {
-            value: contrast.difference,
-            variance: contrast.noise,
-            independent: contrast.independent,
+        if common.is_some() {
+            return common;
         }
+        let direct = on(a, a.drawn, b, b.drawn);
+        let beside_simplest = |of: &Contender| on(of, of.drawn, &self.all[0], of.drawn);
+        let Some((of_a, of_b)) = beside_simplest(a).zip(beside_simplest(b)) else { return direct };
+        let independent = direct.as_ref().map_or(1.0, |direct| direct.independent);
+        let by = Contrast {
+            difference: of_a.difference - of_b.difference,
+            noise: of_a.noise + of_b.noise,
+            independent,
+            ..of_a
+        };
+        Some(direct.filter(|direct| direct.noise <= by.noise).unwrap_or(by))
     }
 
     /// The relative error of one.
@@ -193,18 +163,15 @@ impl Contenders<'_> {
     }
 }
 
-impl Difference {
-    /// Nothing is known.
-    const UNKNOWN: Self = Self { value: 0.0, variance: f64::INFINITY, independent: 1.0 };
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::blocks::{Blocks, Grid};
+    use crate::compare::residual::BlockResiduals;
     use crate::hypothesis::Hypothesis;
-    use crate::model_error::LightField;
-    use crate::sheet::Sheet;
+    use crate::observe::blocks::{Blocks, Grid};
+    use crate::observe::model_error::LightField;
+    use unrender_render::sampler::mix;
+    use unrender_scene::Sheet;
     use unrender_scene::{Material, Rgb};
 
     const SIDE: usize = 16;
@@ -249,13 +216,12 @@ mod tests {
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
         let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 1));
         let field = LightField::constant(blocks.len(), LightError { share: 0.001 });
-        let sample = PixelSample::new(blocks, field);
+        let sample = Sample { pixels: Vec::new(), blocks, field };
         let found = Contenders { all: left, sample: &sample, floor: ModelError { share: 0.003 } };
-        let rungs: Vec<Rung> = left.iter().map(|left| left.rung.clone()).collect();
-        let excess = vec![0.0; rungs.len()];
-        let mut choice = Choice { chosen: 0, rungs, excess, open: Vec::new() };
+        let excess = vec![Difference::default(); left.len()];
+        let mut choice = Choice { chosen: 0, excess, open: Vec::new() };
         let competing: Vec<usize> = (0..left.len()).collect();
-        choice.choose(&competing, &found, None);
+        found.choose(&competing, &mut choice, None);
         (choice.chosen, choice.open)
     }
 

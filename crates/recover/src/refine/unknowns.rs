@@ -4,10 +4,10 @@
 use super::parameters::{self, At, Linear, Range, Start};
 use super::relations::{self, Relation};
 use crate::fit::quadratic::Bounds;
+use crate::guess::{GroupGuess, Guess};
 use crate::hypothesis::{self, Hypothesis, textured};
 use crate::problem::{ExposureRule, Role};
 use crate::record::Status;
-use crate::state::{GroupState, State};
 use crate::unknown::{Quantity, Unknown};
 use nalgebra::DVector;
 use unrender_render::Parameter;
@@ -38,7 +38,7 @@ struct Column {
 
 /// The kinds of numbers that are free in a group: those of its rung, but for a texture that is seen as a
 /// whole, which its own pixels determine.
-fn quantities(of_group: &GroupState, material: &Material) -> &'static [Quantity] {
+fn quantities(of_group: &GroupGuess, material: &Material) -> &'static [Quantity] {
     let is_guessed = |seen: &Image<bool>| textured::is_partly_unseen(seen);
     match of_group.hypothesis {
         Hypothesis::Textured if !of_group.seen_texels.as_ref().is_some_and(is_guessed) => &[],
@@ -47,65 +47,65 @@ fn quantities(of_group: &GroupState, material: &Material) -> &'static [Quantity]
 }
 
 impl Unknowns {
-    /// What is free in `state`: the numbers of all unknown groups that are not assumed, the unknown
+    /// What is free in `guess`: the numbers of all unknown groups that are not assumed, the unknown
     /// lights, and the exposure if an anchor fixes it.
-    pub(crate) fn of(state: &State<'_>) -> Self {
+    pub(crate) fn of(guess: &Guess<'_>) -> Self {
         let mut list = Vec::new();
-        for (group, spec) in state.problem.groups.iter().enumerate() {
-            let of_group = &state.groups[group];
+        for (group, spec) in guess.problem.groups.iter().enumerate() {
+            let of_group = &guess.groups[group];
             if spec.role == Role::Unknown && of_group.status != Status::Assumed {
-                for &quantity in quantities(of_group, &state.materials[group]) {
+                for &quantity in quantities(of_group, &guess.materials[group]) {
                     push(&mut list, quantity, group);
                 }
             }
         }
-        let mut list = Self::add_nuisances(list, state);
-        (0..state.problem.photometric_parameters.len())
+        let mut list = Self::add_nuisances(list, guess);
+        (0..guess.problem.photometric_parameters.len())
             .for_each(|k| push(&mut list, Quantity::Camera, k));
-        Self::new(list, state)
+        Self::new(list, guess)
     }
 
     /// The numbers of `group` alone.
-    pub(super) fn of_group(state: &State<'_>, group: usize) -> Self {
+    pub(super) fn of_group(guess: &Guess<'_>, group: usize) -> Self {
         let mut list = Vec::new();
-        for &quantity in quantities(&state.groups[group], &state.materials[group]) {
+        for &quantity in quantities(&guess.groups[group], &guess.materials[group]) {
             push(&mut list, quantity, group);
         }
-        Self::new(list, state)
+        Self::new(list, guess)
     }
 
     /// No number at all.
-    pub(super) fn none(state: &State<'_>) -> Self {
-        Self::new(Vec::new(), state)
+    pub(super) fn none(guess: &Guess<'_>) -> Self {
+        Self::new(Vec::new(), guess)
     }
 
     /// The same with the exposure free, whatever fixes it.
-    pub(super) fn with_exposure(state: &State<'_>) -> Self {
-        let mut list = Self::of(state).list;
+    pub(super) fn with_exposure(guess: &Guess<'_>) -> Self {
+        let mut list = Self::of(guess).list;
         push(&mut list, Quantity::Exposure, 0);
-        Self::new(list, state)
+        Self::new(list, guess)
     }
 
     /// The lights and the exposure alone.
-    pub(crate) fn nuisances(state: &State<'_>) -> Self {
-        Self::new(Self::add_nuisances(Vec::new(), state), state)
+    pub(crate) fn nuisances(guess: &Guess<'_>) -> Self {
+        Self::new(Self::add_nuisances(Vec::new(), guess), guess)
     }
 
-    fn add_nuisances(mut list: Vec<Unknown>, state: &State<'_>) -> Vec<Unknown> {
-        for &source in &state.problem.unknown_lights {
-            if state.problem.coloured_lights.contains(&source) {
+    fn add_nuisances(mut list: Vec<Unknown>, guess: &Guess<'_>) -> Vec<Unknown> {
+        for &source in &guess.problem.unknown_lights {
+            if guess.problem.coloured_lights.contains(&source) {
                 list.push(Unknown { quantity: Quantity::Light, of: source, channel: None });
             } else {
                 push(&mut list, Quantity::Light, source);
             }
         }
-        if matches!(state.problem.exposure, ExposureRule::Anchor { .. }) {
+        if matches!(guess.problem.exposure, ExposureRule::Anchor { .. }) {
             push(&mut list, Quantity::Exposure, 0);
         }
         list
     }
 
-    fn new(list: Vec<Unknown>, state: &State<'_>) -> Self {
+    fn new(list: Vec<Unknown>, guess: &Guess<'_>) -> Self {
         let mut parameters = Vec::new();
         let mut columns = [const { Vec::new() }; 3];
         for (unknown, u) in list.iter().enumerate() {
@@ -123,10 +123,10 @@ impl Unknowns {
                 }
             }
         }
-        let prior = list.iter().map(|u| parameters::of(u.quantity).prior(state, u));
+        let prior = list.iter().map(|u| parameters::of(u.quantity).prior(guess, u));
         let deviations = prior.map(|prior| prior.deviation).collect();
-        let start = Start::of(state);
-        let relations = relations::find(&list, At { state, start: &start });
+        let start = Start::of(guess);
+        let relations = relations::find(&list, At { guess, start: &start });
         Self { list, parameters, columns, start, deviations, relations }
     }
 
@@ -144,12 +144,12 @@ impl Unknowns {
     /// number by the numbers of the camera.
     pub(crate) fn row(
         &self,
-        state: &State<'_>,
+        guess: &Guess<'_>,
         (derivatives, changes, photograph): (&[Vec<Rgb>; 2], &[Rgb], usize),
         channel: usize,
         radiance: [f64; 2],
     ) -> Vec<(usize, f64, f64)> {
-        let at = self.at(state);
+        let at = self.at(guess);
         let one = |column: &Column| {
             let unknown = &self.list[column.unknown];
             let [a, b] = [0, 1].map(|half: usize| {
@@ -165,76 +165,76 @@ impl Unknowns {
         self.columns[channel].iter().filter_map(one).collect()
     }
 
-    fn at<'a>(&'a self, state: &'a State<'_>) -> At<'a> {
-        At { state, start: &self.start }
+    fn at<'a>(&'a self, guess: &'a Guess<'_>) -> At<'a> {
+        At { guess, start: &self.start }
     }
 
     /// The value of the unknown.
-    pub(crate) fn value(&self, state: &State<'_>, u: &Unknown) -> f64 {
-        parameters::of(u.quantity).value(self.at(state), u)
+    pub(crate) fn value(&self, guess: &Guess<'_>, u: &Unknown) -> f64 {
+        parameters::of(u.quantity).value(self.at(guess), u)
     }
 
     /// All values.
-    pub(crate) fn values(&self, state: &State<'_>) -> DVector<f64> {
-        DVector::from_iterator(self.len(), self.list.iter().map(|u| self.value(state, u)))
+    pub(crate) fn values(&self, guess: &Guess<'_>) -> DVector<f64> {
+        DVector::from_iterator(self.len(), self.list.iter().map(|u| self.value(guess, u)))
     }
 
     /// The mean of the prior: where a kind has none of its own, the present value.
-    pub(crate) fn prior_mean(&self, state: &State<'_>) -> DVector<f64> {
+    pub(crate) fn prior_mean(&self, guess: &Guess<'_>) -> DVector<f64> {
         let mean = |u: &Unknown| {
-            let prior = parameters::of(u.quantity).prior(state, u);
-            prior.mean.unwrap_or_else(|| self.value(state, u))
+            let prior = parameters::of(u.quantity).prior(guess, u);
+            prior.mean.unwrap_or_else(|| self.value(guess, u))
         };
         DVector::from_iterator(self.len(), self.list.iter().map(mean))
     }
 
     /// How far each unknown may move from where it stands.
-    pub(crate) fn bounds(&self, state: &State<'_>) -> Bounds {
+    pub(crate) fn bounds(&self, guess: &Guess<'_>) -> Bounds {
         let interval = |u: &Unknown| {
-            let value = self.value(state, u);
-            let Range { low, high, step } = parameters::of(u.quantity).range(state, u, value);
+            let value = self.value(guess, u);
+            let Range { low, high, step } = parameters::of(u.quantity).range(guess, u, value);
             // A start beyond a bound (a white group by rounding) may stay where it is.
             [(low - value).max(-step).min(0.0), (high - value).min(step).max(0.0)]
         };
         let intervals: Vec<[f64; 2]> = self.list.iter().map(interval).collect();
-        let bounded = state.problem.renderer.model().is_bounded();
-        let pairs = if bounded { self.pairs_below_one(state) } else { Vec::new() };
+        let bounded = guess.problem.renderer.model().is_bounded();
+        let pairs = if bounded { self.pairs_below_one(guess) } else { Vec::new() };
         Bounds { intervals, pairs }
     }
 
     /// rho_d + rho_s <= 1 in every channel of the groups that have both.
-    fn pairs_below_one(&self, state: &State<'_>) -> Vec<([usize; 2], f64)> {
+    fn pairs_below_one(&self, guess: &Guess<'_>) -> Vec<([usize; 2], f64)> {
         let mut pairs = Vec::new();
         for (i, u) in self.list.iter().enumerate() {
             let Some(quantity) = parameters::of(u.quantity).complement() else { continue };
             let other = Unknown { quantity, ..*u };
             if let Some(j) = self.list.iter().position(|u| *u == other) {
-                let sum = self.value(state, u) + self.value(state, &other);
+                let sum = self.value(guess, u) + self.value(guess, &other);
                 pairs.push(([i, j], (1.0 - sum).max(0.0)));
             }
         }
         pairs
     }
 
-    /// Moves the state by `step`, and returns how far it went: differences of numbers, of angles the short way.
+    /// Moves `guess` by `step`, and returns how far it went: differences of numbers, of angles the short way.
     ///
     /// Where lights are unknown, a reflectance `rho` goes to `rho / (1 - s)` for a relative step `s`, which is a
     /// straight step of its reciprocal: the picture is `P = rho (B + f E)` with a known light `B` and unknown
     /// factors `f`, so that all that explain it equally well, `P / rho = B + f E`, are on a line in `1 / rho` and `f`.
-    pub(crate) fn apply(&self, state: &mut State<'_>, step: &DVector<f64>) -> DVector<f64> {
-        let is_light_unknown = !state.problem.unknown_lights.is_empty();
-        let values = self.values(state);
+    pub(crate) fn apply(&self, guess: &mut Guess<'_>, step: &DVector<f64>) -> DVector<f64> {
+        let is_light_unknown = !guess.problem.unknown_lights.is_empty();
+        let values = self.values(guess);
         let mut moved = step.clone();
         for (k, u) in self.list.iter().enumerate() {
             let (kind, value) = (parameters::of(u.quantity), values[k]);
             let share = step[k] / value;
             let is_factor = matches!(u.quantity, Quantity::RhoD | Quantity::RhoS);
             if is_light_unknown && is_factor && share <= SMALL {
-                let Range { low, high, .. } = kind.range(state, u, value);
+                let Range { low, high, .. } = kind.range(guess, u, value);
                 let next = (value / (1.0 - share)).clamp(low.min(value), high.max(value));
                 moved[k] = next - value;
             }
-            kind.set(state, &self.start, u, value + moved[k]);
+            kind.set(guess, &self.start, u, value + moved[k]);
         }
         moved
     }

@@ -10,19 +10,20 @@
 use super::contenders::Rung;
 use super::relations::Relation;
 use super::{Solution, parameters, side_by_side};
+use crate::compare::{CERTAIN, Measured, WORSE};
 use crate::expected::{ALPHA_RANGE, Like};
+use crate::guess::Guess;
 use crate::hypothesis::{Hypothesis, anisotropic};
 use crate::others::light_of_others;
 use crate::problem::Options;
-use crate::record::{Covariance, Deviations, LightResult, Status};
+use crate::progress::Progress;
+use crate::record::{Covariance, Deviations, LightResult, Rule, Status};
 use crate::sample_budget::{self, Level};
-use crate::state::State;
+use crate::selection::Choice;
 use crate::unknown::{Quantity, Unknown};
 use std::collections::BTreeSet;
 use unrender_scene::{Material, Rgb};
 
-/// A number is significant at this many standard deviations.
-const TOLD: f64 = 2.0;
 /// A group out of sight is recovered if all its standard deviations are below this ...
 const UNSEEN_MAX: f64 = 0.1;
 /// ... and below this its best guess is used, so that the others are not fitted under light that
@@ -30,9 +31,6 @@ const UNSEEN_MAX: f64 = 0.1;
 const GUESS_MAX: f64 = 0.3;
 /// From this correlation on, two numbers of one group are named as tied.
 const TIED: f64 = 0.95;
-/// Groups that the project calls alike are said to differ beyond this many standard deviations of the difference. At
-/// half of it one number in eight would be named by chance; at double a wrong likeness goes unseen.
-const UNLIKE: f64 = 3.0;
 /// A roughness with a larger relative standard deviation than this is said to be open.
 const ALPHA_OPEN: f64 = 0.5;
 
@@ -40,20 +38,29 @@ const ALPHA_OPEN: f64 = 0.5;
 ///
 /// Groups out of sight come last, once nothing changes for the others: a superfluous number of a hypothesis, which the
 /// photograph leaves open, makes all numbers uncertain.
-pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, options: &Options) -> bool {
-    let is_guess = |state: &State<'_>, group: usize| {
-        let out_of_sight = state.observation.pixels_of_group[group].is_empty();
-        out_of_sight && state.groups[group].hypothesis == Hypothesis::Diffuse
+pub(super) fn simplify(
+    guess: &mut Guess<'_>,
+    solution: &Solution,
+    options: &Options,
+    progress: &mut Progress<'_>,
+) -> bool {
+    let is_guess = |guess: &Guess<'_>, group: usize| {
+        let out_of_sight = guess.observation.pixels_of_group[group].is_empty();
+        out_of_sight && guess.groups[group].hypothesis == Hypothesis::Diffuse
     };
     let free = |group: &usize| Verdict { solution, group: *group }.is_free();
-    let groups: Vec<usize> = (0..state.materials.len()).filter(free).collect();
+    let groups: Vec<usize> = (0..guess.materials.len()).filter(free).collect();
     let (guesses, others): (Vec<usize>, Vec<usize>) =
-        groups.into_iter().partition(|group| is_guess(state, *group));
+        groups.into_iter().partition(|group| is_guess(guess, *group));
     let mut changed = false;
     for group in others {
         let verdict = Verdict { solution, group };
-        if let Some((hypothesis, material, note)) = verdict.simpler(state, options) {
-            changed |= step_down(state, group, hypothesis, material, note);
+        let note = &mut |to: Hypothesis, measured: Measured| {
+            let from = guess.groups[group].hypothesis;
+            progress.decide(group, [from, to], measured, Rule::Simpler);
+        };
+        if let Some((hypothesis, material, note)) = verdict.simpler(guess, options, note) {
+            changed |= step_down(guess, group, hypothesis, material, note);
         }
     }
     if changed {
@@ -61,7 +68,7 @@ pub(super) fn simplify(state: &mut State<'_>, solution: &Solution, options: &Opt
     }
     for group in guesses {
         if (Verdict { solution, group }).largest(Quantity::RhoD) > GUESS_MAX {
-            assume_white(state, group);
+            assume_white(guess, group);
             changed = true;
         }
     }
@@ -79,27 +86,27 @@ fn percent(share: f64) -> f64 {
 }
 
 fn step_down(
-    state: &mut State<'_>,
+    guess: &mut Guess<'_>,
     group: usize,
     hypothesis: Hypothesis,
     material: Material,
     note: &str,
 ) -> bool {
-    if !state.problem.groups[group].allows(hypothesis) {
+    if !guess.problem.groups[group].allows(hypothesis) {
         return false;
     }
-    state.materials[group] = state.problem.groups[group].expected.bounds.nearest(&material);
-    let of_group = &mut state.groups[group];
+    guess.materials[group] = guess.problem.groups[group].expected.bounds.nearest(&material);
+    let of_group = &mut guess.groups[group];
     of_group.hypothesis = hypothesis;
     of_group.undecided.clear();
     of_group.add_note(format!("{note}: taken as {hypothesis}"));
     true
 }
 
-fn assume_white(state: &mut State<'_>, group: usize) {
-    let (spec, why) = (&state.problem.groups[group], state.why_unseen(group));
-    state.materials[group] = spec.unseen();
-    let of_group = &mut state.groups[group];
+fn assume_white(guess: &mut Guess<'_>, group: usize) {
+    let (spec, why) = (&guess.problem.groups[group], guess.why_unseen(group));
+    guess.materials[group] = spec.unseen();
+    let of_group = &mut guess.groups[group];
     of_group.status = Status::Assumed;
     of_group.note = Some(format!(
         "{why}, and the light that it sends leaves its reflectance open: taken as {}",
@@ -108,50 +115,50 @@ fn assume_white(state: &mut State<'_>, group: usize) {
 }
 
 /// Records the standard deviation of each number.
-pub(super) fn record(state: &mut State<'_>, solution: &Solution) {
+pub(super) fn record(guess: &mut Guess<'_>, solution: &Solution) {
     let matrix = solution.covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
     let mut covariance = Covariance { of: solution.unknowns.list.clone(), matrix };
-    for group in 0..state.materials.len() {
+    for group in 0..guess.materials.len() {
         let verdict = Verdict { solution, group };
         if !verdict.is_free() {
             continue;
         }
         // A texture's are those of its texels, known when it is extracted at the end.
-        if state.groups[group].hypothesis != Hypothesis::Textured {
-            state.groups[group].std = Some(verdict.deviations());
+        if guess.groups[group].hypothesis != Hypothesis::Textured {
+            guess.groups[group].std = Some(verdict.deviations());
         }
-        if state.groups[group].hypothesis == Hypothesis::Anisotropic && canonical(state, group) {
+        if guess.groups[group].hypothesis == Hypothesis::Anisotropic && canonical(guess, group) {
             covariance.of.iter_mut().filter(|u| u.of == group).for_each(swap_alphas);
         }
-        if state.observation.pixels_of_group[group].is_empty() {
+        if guess.observation.pixels_of_group[group].is_empty() {
             let is_determined = verdict.largest(Quantity::RhoD) <= UNSEEN_MAX;
-            let of_group = &mut state.groups[group];
+            let of_group = &mut guess.groups[group];
             of_group.status = if is_determined { Status::Recovered } else { Status::Assumed };
             let how = if is_determined { "" } else { ", which leaves it open: a guess" };
             of_group.note.get_or_insert_with(|| {
                 format!("never seen directly: from the light that it sends to the others{how}")
             });
         }
-        if let Some(note) = verdict.likeness(state) {
-            state.groups[group].add_note(note);
+        if let Some(note) = verdict.likeness(guess) {
+            guess.groups[group].add_note(note);
         }
-        for note in verdict.doubts().into_iter().chain(verdict.ties_to_lights(state)) {
-            state.groups[group].add_note(note);
+        for note in verdict.doubts().into_iter().chain(verdict.ties_to_lights(guess)) {
+            guess.groups[group].add_note(note);
         }
     }
     let rgb = |quantity, of| solution.rgb(quantity, of);
-    for &source in &state.problem.unknown_lights {
-        let factor = state.appearance().light(source as u32);
+    for &source in &guess.problem.unknown_lights {
+        let factor = guess.appearance().light(source as u32);
         let std = rgb(Quantity::Light, source).unwrap_or(Rgb::ZERO);
-        state.light_results.push(LightResult { source, factor, std });
+        guess.light_results.push(LightResult { source, factor, std });
     }
-    state.exposure_std = rgb(Quantity::Exposure, 0).map(|std| std * state.exposure);
-    let places: Vec<usize> = (0..state.problem.photometric_parameters.len())
+    guess.exposure_std = rgb(Quantity::Exposure, 0).map(|std| std * guess.exposure);
+    let places: Vec<usize> = (0..guess.problem.photometric_parameters.len())
         .filter_map(|of| solution.index(Quantity::Camera, of, None))
         .collect();
     let row = |i: &usize| places.iter().map(|j| solution.covariance[(*i, *j)]).collect();
-    state.photometric.covariance = places.iter().map(row).collect();
-    state.covariance = Some(covariance);
+    guess.photometric.covariance = places.iter().map(row).collect();
+    guess.covariance = Some(covariance);
 }
 
 /// Swaps the names of the two roughnesses of a group.
@@ -165,12 +172,12 @@ fn swap_alphas(unknown: &mut Unknown) {
 
 /// Puts the smoother direction first, and the angle within half a turn; returns whether the two
 /// directions were swapped.
-fn canonical(state: &mut State<'_>, group: usize) -> bool {
-    let material = &mut state.materials[group];
+fn canonical(guess: &mut Guess<'_>, group: usize) -> bool {
+    let material = &mut guess.materials[group];
     let swapped = material.alpha_x > material.alpha_y;
     let shape = [material.alpha_x, material.alpha_y, material.theta_rad];
     [material.alpha_x, material.alpha_y, material.theta_rad] = anisotropic::canonical(shape);
-    if let Some(std) = state.groups[group].std.as_mut().filter(|_| swapped) {
+    if let Some(std) = guess.groups[group].std.as_mut().filter(|_| swapped) {
         std::mem::swap(&mut std.ln_alpha_x, &mut std.ln_alpha_y);
     }
     swapped
@@ -212,43 +219,46 @@ impl Verdict<'_> {
     /// The simpler hypothesis that explains the group as well, its material, and why.
     fn simpler(
         &self,
-        state: &mut State<'_>,
+        guess: &Guess<'_>,
         options: &Options,
+        note: &mut dyn FnMut(Hypothesis, Measured),
     ) -> Option<(Hypothesis, Material, &'static str)> {
         let explained = options.thresholds.explained;
-        let material = &state.materials[self.group].clone();
-        let hypothesis = state.groups[self.group].hypothesis;
+        let material = &guess.materials[self.group].clone();
+        let hypothesis = guess.groups[self.group].hypothesis;
         let has_lobe = matches!(
             hypothesis,
             Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
         );
-        if has_lobe && !self.is_told_from_zero(state, Quantity::RhoS) {
+        if has_lobe && !self.is_told_from_zero(guess, Quantity::RhoS) {
             let diffuse = Material::diffuse((material.rho_d + material.rho_s).min(Rgb::ONE));
             let diffuse = Rung { hypothesis: Hypothesis::Diffuse, material: diffuse };
-            if let Some(Rung { hypothesis, material }) = self.as_good(diffuse, state, options) {
+            if let Some(Rung { hypothesis, material }) = self.as_good(diffuse, guess, options, note)
+            {
                 let note = "its specular part is not determined by this photograph";
                 return Some((hypothesis, material, note));
             }
         }
         match hypothesis {
             Hypothesis::DiffuseSpecular => {
-                let (hypothesis, material) = self.mirror(state, explained)?;
+                let (hypothesis, material) = self.mirror(guess, explained)?;
+                note(hypothesis, Measured { holds: true, ..Measured::default() });
                 Some((hypothesis, material, "its diffuse part is not significant"))
             }
-            Hypothesis::Isotropic if !self.is_told_from_sharpest(state) => {
+            Hypothesis::Isotropic if !self.is_told_from_sharpest(guess) => {
                 let beside = Material { rho_d: material.rho_d, ..Material::mirror(material.rho_s) };
                 let sharp = Rung { hypothesis: Hypothesis::DiffuseSpecular, material: beside };
-                let sharp = self.as_good(sharp, state, options)?;
+                let sharp = self.as_good(sharp, guess, options, note)?;
                 let (hypothesis, material) =
-                    self.mirror(state, explained).unwrap_or((sharp.hypothesis, sharp.material));
+                    self.mirror(guess, explained).unwrap_or((sharp.hypothesis, sharp.material));
                 let note = "this photograph does not distinguish its lobe from a mirror";
                 Some((hypothesis, material, note))
             }
-            Hypothesis::Anisotropic if !self.is_brushed(state) => {
+            Hypothesis::Anisotropic if !self.is_brushed(guess) => {
                 let alpha = (material.alpha_x * material.alpha_y).sqrt();
                 let round = Material::isotropic(material.rho_d, material.rho_s, alpha);
                 let round = Rung { hypothesis: Hypothesis::Isotropic, material: round };
-                let round = self.as_good(round, state, options)?;
+                let round = self.as_good(round, guess, options, note)?;
                 let note =
                     "the difference of its two roughnesses is not determined by this photograph";
                 Some((round.hypothesis, round.material, note))
@@ -260,28 +270,38 @@ impl Verdict<'_> {
     /// The `simpler` rung where it explains the group best, if the photograph does not support the present one:
     /// standard deviations do not decide that, since a single highlight leaves a lobe's strength uncertain and its
     /// presence certain.
-    fn as_good(&self, simpler: Rung, state: &mut State<'_>, options: &Options) -> Option<Rung> {
-        if !state.problem.groups[self.group].allows(simpler.hypothesis) {
+    fn as_good(
+        &self,
+        simpler: Rung,
+        guess: &Guess<'_>,
+        options: &Options,
+        note: &mut dyn FnMut(Hypothesis, Measured),
+    ) -> Option<Rung> {
+        if !guess.problem.groups[self.group].allows(simpler.hypothesis) {
             return None;
         }
         let present = Rung {
-            hypothesis: state.groups[self.group].hypothesis,
-            material: state.materials[self.group].clone(),
+            hypothesis: guess.groups[self.group].hypothesis,
+            material: guess.materials[self.group].clone(),
         };
         let by = side_by_side::Criteria {
             options,
             effort: options.effort,
             allowance: sample_budget::allowance(Level::Refined, options),
-            most: light_of_others(state, self.group),
+            most: light_of_others(guess, self.group),
         };
-        let choice = side_by_side::compare(state, &by, self.group, vec![simpler, present]);
-        if choice.chosen == 0 { choice.rungs.into_iter().next() } else { None }
+        let to = simpler.hypothesis;
+        let compared = side_by_side::compare(guess, &by, self.group, vec![simpler, present]);
+        let Choice { chosen, excess, .. } = compared.choice;
+        let holds = chosen == 0;
+        note(to, if holds { -excess[1] } else { excess[0] }.measured(holds));
+        if holds { compared.rungs.into_iter().next() } else { None }
     }
 
     /// The mirror that the group is if its diffuse part is not significant.
-    fn mirror(&self, state: &State<'_>, explained: f64) -> Option<(Hypothesis, Material)> {
-        let material = &state.materials[self.group];
-        if self.is_told_from_zero(state, Quantity::RhoD) && !is_mirror(material, explained) {
+    fn mirror(&self, guess: &Guess<'_>, explained: f64) -> Option<(Hypothesis, Material)> {
+        let material = &guess.materials[self.group];
+        if self.is_told_from_zero(guess, Quantity::RhoD) && !is_mirror(material, explained) {
             return None;
         }
         Some(if self.is_perfect(material.rho_s, explained) {
@@ -295,7 +315,7 @@ impl Verdict<'_> {
     /// allowed for.
     fn is_perfect(&self, rho_s: Rgb, explained: f64) -> bool {
         let std = self.solution.rgb(Quantity::RhoS, self.group).unwrap_or(Rgb::ZERO);
-        let allowed = (TOLD as f32 * std).max(Rgb::splat(explained as f32));
+        let allowed = (CERTAIN as f32 * std).max(Rgb::splat(explained as f32));
         (Rgb::ONE - rho_s).cmple(allowed).all()
     }
 
@@ -309,34 +329,34 @@ impl Verdict<'_> {
         f64::from(std.max_element())
     }
 
-    fn is_told_from_zero(&self, state: &State<'_>, quantity: Quantity) -> bool {
+    fn is_told_from_zero(&self, guess: &Guess<'_>, quantity: Quantity) -> bool {
         let list = &self.solution.unknowns.list;
         let mut of_quantity = self.indices().filter(|i| list[*i].quantity == quantity);
         of_quantity.any(|i| {
-            self.solution.unknowns.value(state, &list[i]) > TOLD * self.solution.deviation(i)
+            self.solution.unknowns.value(guess, &list[i]) > CERTAIN * self.solution.deviation(i)
         })
     }
 
     /// Whether a round lobe is wider, by more than chance, than the sharpest that is searched.
-    fn is_told_from_sharpest(&self, state: &State<'_>) -> bool {
+    fn is_told_from_sharpest(&self, guess: &Guess<'_>) -> bool {
         let Some(place) = self.solution.index(Quantity::Alpha, self.group, None) else {
             return true;
         };
-        let wider = f64::from((state.materials[self.group].alpha_x / ALPHA_RANGE[0]).ln());
-        wider > TOLD * self.solution.deviation(place)
+        let wider = f64::from((guess.materials[self.group].alpha_x / ALPHA_RANGE[0]).ln());
+        wider > CERTAIN * self.solution.deviation(place)
     }
 
     /// Whether the two roughnesses differ by more than chance.
-    fn is_brushed(&self, state: &State<'_>) -> bool {
+    fn is_brushed(&self, guess: &Guess<'_>) -> bool {
         let place = |quantity| self.solution.index(quantity, self.group, None);
         let (Some(x), Some(y)) = (place(Quantity::AlphaX), place(Quantity::AlphaY)) else {
             return true;
         };
         let c = &self.solution.covariance;
         let variance = c[(x, x)] + c[(y, y)] - 2.0 * c[(x, y)];
-        let material = &state.materials[self.group];
+        let material = &guess.materials[self.group];
         let difference = f64::from((material.alpha_x / material.alpha_y).ln());
-        difference.powi(2) > TOLD.powi(2) * variance
+        difference.powi(2) > CERTAIN.powi(2) * variance
     }
 
     fn deviations(&self) -> Deviations {
@@ -355,11 +375,11 @@ impl Verdict<'_> {
     }
 
     /// How the group compares with the one that it is like, if any.
-    fn likeness(&self, state: &State<'_>) -> Option<String> {
-        let Like { group, within } = state.problem.groups[self.group].expected.like?;
-        let name = &state.problem.groups[group].name;
+    fn likeness(&self, guess: &Guess<'_>) -> Option<String> {
+        let Like { group, within } = guess.problem.groups[self.group].expected.like?;
+        let name = &guess.problem.groups[group].name;
         let unknowns = &self.solution.unknowns;
-        let values = unknowns.values(state);
+        let values = unknowns.values(guess);
         let of_group = |relation: &&Relation| {
             let unknown = &unknowns.list[relation.unknown];
             unknown.of == self.group && !parameters::of(unknown.quantity).is_nuisance()
@@ -372,7 +392,7 @@ impl Verdict<'_> {
             None => format!(
                 "like \"{name}\", as the project says, changes nothing: they share no free number"
             ),
-            Some(worst) if worst > UNLIKE => format!(
+            Some(worst) if worst > WORSE => format!(
                 "like \"{name}\" within {} %, as the project says, but the photograph has them \
                  {worst:.1} times as far apart",
                 percent(within)
@@ -383,8 +403,8 @@ impl Verdict<'_> {
 
     /// The unknown lights that would explain the group's brightness as well as its reflectance does: those whose
     /// brightness (of an environment in parts, that of all parts together) is tied to it.
-    fn ties_to_lights(&self, state: &State<'_>) -> Vec<String> {
-        let problem = state.problem;
+    fn ties_to_lights(&self, guess: &Guess<'_>) -> Vec<String> {
+        let problem = guess.problem;
         let parts: BTreeSet<usize> =
             problem.neighbouring_lights.iter().flatten().copied().collect();
         let alone = problem.unknown_lights.iter().filter(|of| !parts.contains(of));

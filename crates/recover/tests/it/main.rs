@@ -6,7 +6,9 @@ mod stripes;
 
 mod empty;
 mod error_bars;
+mod facing;
 mod ggx;
 mod ladder;
 mod registration;
 mod sharp_lobes;
+mod verified;

@@ -1,10 +1,11 @@
-//! A renderer in closed form: horizontal stripes of materials under a grid of directional lights, without noise.
+//! A renderer in closed form: horizontal stripes of materials under a grid of directional lights, without noise. Stripes
+//! may face each other, and then light each other by one bounce more.
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::f32::consts::FRAC_1_PI;
 use std::ops::Range;
-use unrender_recover::{Expected, Picture, Renderer, Stored};
+use unrender_recover::{Expected, Picture, Query, Renderer, Stored};
 use unrender_render::geometry::PixelGeometry;
 use unrender_render::probe::Incident;
 use unrender_render::{
@@ -29,6 +30,21 @@ pub(crate) struct Stripes {
     pub(crate) irradiance: Rgb,
     /// A stripe that gets no light.
     pub(crate) dark: Option<u32>,
+    /// How stripes light each other, if they do.
+    pub(crate) facing: Option<Facing>,
+    /// Whether gatherings of more directions than any hypothesis is looked for with say that half as much light arrives
+    /// as does.
+    pub(crate) misleads: bool,
+}
+
+/// Stripes that face each other: the first and the second, the third and the fourth, and so on. Each is the brighter by
+/// the light that the other one reflects once.
+#[derive(Clone, Copy)]
+pub(crate) struct Facing {
+    /// The share of the light of one that reaches the other.
+    pub(crate) form_factor: f32,
+    /// A stripe whose lobe no pixel shows: it sends its light to the other one alone.
+    pub(crate) hidden: Option<u32>,
 }
 
 impl Stripes {
@@ -45,7 +61,8 @@ impl Stripes {
         let incident = Self::lights();
         let irradiance = incident.iter().map(|light| light.irradiance).sum();
         let (model, expected) = (BrdfModel::default(), Vec::new());
-        Self { model, truth, geometry, expected, incident, irradiance, dark: None }
+        let (dark, facing, misleads) = (None, None, false);
+        Self { model, truth, geometry, expected, incident, irradiance, dark, facing, misleads }
     }
 
     fn wo(pixel: u32) -> Vec3 {
@@ -78,56 +95,82 @@ impl Stripes {
         material.is_glossy().then(lobe)
     }
 
-    /// The radiance of `pixel` with `material`, whose lobe is `lobe`.
-    fn radiance(&self, material: &Material, lobe: Option<&GlossyLobe>, pixel: u32) -> Rgb {
-        if self.dark == Some(self.geometry.pixels()[pixel as usize].group) {
+    /// How much brighter than by the lights alone `pixel` is lit with these `materials` of the groups: the facing stripe's
+    /// diffuse light comes everywhere, that of its specular part to the right half alone, like a caustic.
+    fn brighter(&self, materials: &[Material], pixel: u32) -> Rgb {
+        let group = self.geometry.pixels()[pixel as usize].group as usize;
+        let other = materials.get(group ^ 1).filter(|_| (group ^ 1) < self.truth.len());
+        let Some((Facing { form_factor, .. }, other)) = self.facing.zip(other) else {
+            return Rgb::ONE;
+        };
+        let is_right = pixel as usize % WIDTH >= WIDTH / 2;
+        let specular = if is_right { 2.0 * other.rho_s } else { Rgb::ZERO };
+        Rgb::ONE + form_factor * (other.rho_d + specular)
+    }
+
+    /// The radiance of `pixel` with `material`, whose lobe is `lobe`, in so many times the light.
+    fn radiance(
+        &self,
+        material: &Material,
+        lobe: Option<&GlossyLobe>,
+        pixel: u32,
+        brighter: Rgb,
+    ) -> Rgb {
+        let group = self.geometry.pixels()[pixel as usize].group;
+        if self.dark == Some(group) {
             return Rgb::ZERO;
         }
         let wo = Self::wo(pixel);
         let rho_d = material.rho_d_at(self.geometry.pixels()[pixel as usize].uv);
+        let is_hidden = self.facing.is_some_and(|facing| facing.hidden == Some(group));
         let shine = lobe.map_or_else(
             || Self::mirror(wo),
             |lobe| {
                 let (sin, cos) = material.theta_rad.sin_cos();
                 let turn = |v: Vec3| Vec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z);
                 let wo = turn(wo);
-                self.incident.iter().map(|i| lobe.value(wo, turn(i.wi)) * i.irradiance).sum()
+                let lit = |i: &Incident| lobe.value(wo, turn(i.wi)) * i.irradiance;
+                brighter * self.incident.iter().map(lit).sum::<Rgb>()
             },
         );
-        rho_d * self.irradiance * FRAC_1_PI + material.rho_s * shine
+        let shine = if is_hidden { Rgb::ZERO } else { shine };
+        rho_d * self.irradiance * brighter * FRAC_1_PI + material.rho_s * shine
     }
 
-    /// The derivatives of the radiances of `pixels`, all of one `group` with `material`, by central
-    /// differences.
-    fn derivatives(
-        &self,
-        material: &Material,
-        group: u32,
-        by: Parameter,
-        pixels: &[u32],
-    ) -> Vec<Rgb> {
+    /// The derivatives of the radiances of `pixels` by one parameter, by central differences.
+    fn derivatives(&self, materials: &[Material], by: Parameter, pixels: &[u32]) -> Vec<Rgb> {
         const STEP: f32 = 1e-3;
         let moved = |step: f32| {
-            let mut moved = material.clone();
-            match by {
-                Parameter::RhoD(g) if g == group => moved.rho_d += step,
-                Parameter::RhoS(g) if g == group => moved.rho_s += step,
-                Parameter::AlphaX(g) if g == group => moved.alpha_x += step,
-                Parameter::AlphaY(g) if g == group => moved.alpha_y += step,
-                Parameter::Theta(g) if g == group => moved.theta_rad += step,
-                // No stripe lights another.
+            let mut moved = materials.to_vec();
+            let (group, number): (_, fn(&mut Material, f32)) = match by {
+                Parameter::RhoD(group) => (group, |of, step| of.rho_d += step),
+                Parameter::RhoS(group) => (group, |of, step| of.rho_s += step),
+                Parameter::AlphaX(group) => (group, |of, step| of.alpha_x += step),
+                Parameter::AlphaY(group) => (group, |of, step| of.alpha_y += step),
+                Parameter::Theta(group) => (group, |of, step| of.theta_rad += step),
                 _ => return None,
-            }
-            let lobe = self.lobe(&moved);
-            Some((moved, lobe))
+            };
+            number(moved.get_mut(group as usize)?, step);
+            Some(moved)
         };
         let Some((up, down)) = moved(STEP).zip(moved(-STEP)) else {
             return vec![Rgb::ZERO; pixels.len()];
         };
-        let at = |(material, lobe): &(Material, Option<GlossyLobe>), pixel: u32| {
-            self.radiance(material, lobe.as_ref(), pixel)
-        };
-        pixels.iter().map(|&pixel| (at(&up, pixel) - at(&down, pixel)) / (2.0 * STEP)).collect()
+        let [up, down] = [up, down].map(|materials| self.radiances(&materials, pixels));
+        up.iter().zip(down).map(|(up, down)| (*up - down) / (2.0 * STEP)).collect()
+    }
+
+    /// Whether `pixel` changes with the parameter.
+    fn depends(&self, pixel: u32, by: Parameter) -> bool {
+        let own = self.geometry.pixels()[pixel as usize].group;
+        let is_facing = |group: u32| self.facing.is_some() && group ^ 1 == own;
+        match by {
+            Parameter::RhoD(group) | Parameter::RhoS(group) => group == own || is_facing(group),
+            Parameter::AlphaX(group) | Parameter::AlphaY(group) | Parameter::Theta(group) => {
+                group == own
+            }
+            _ => false,
+        }
     }
 
     /// The radiances of `pixels` with these materials of the groups.
@@ -135,7 +178,12 @@ impl Stripes {
         let lobes: Vec<Option<GlossyLobe>> = materials.iter().map(|m| self.lobe(m)).collect();
         let one = |&pixel: &u32| {
             let group = self.geometry.pixels()[pixel as usize].group as usize;
-            self.radiance(&materials[group], lobes[group].as_ref(), pixel)
+            self.radiance(
+                &materials[group],
+                lobes[group].as_ref(),
+                pixel,
+                self.brighter(materials, pixel),
+            )
         };
         pixels.par_iter().map(one).collect()
     }
@@ -167,7 +215,8 @@ impl Stored for StoredStripes<'_> {
     ) -> Jacobian {
         let settings = Settings::default();
         let pixels: Vec<_> = self.pixels.iter().map(|pixel| (*pixel, settings.samples())).collect();
-        self.stripes.jacobian(appearance, &pixels, parameters, &settings, seen)
+        let query = Query::new(appearance, &pixels, &settings);
+        self.stripes.jacobian(&Query { parameters, seen, ..query })
     }
 }
 
@@ -184,21 +233,23 @@ impl Renderer for Stripes {
         self.model
     }
 
-    fn probe(
-        &self,
-        _: Appearance<'_>,
-        pixels: &[u32],
-        settings: &ProbeSettings,
-        _: Option<&RadianceCache>,
-    ) -> Probes {
+    fn probe(&self, query: &Query<'_, u32, ProbeSettings>) -> Probes {
+        let Query { appearance, pixels, settings, .. } = *query;
         let mut all = Probes::default();
         for &pixel in pixels {
-            let incident = &self.incident;
             let first = all.incident.len() as u32;
-            let count = if settings.keep_incident { incident.len() as u32 } else { 0 };
-            all.incident.extend(incident.iter().take(count as usize).cloned());
+            let count = if settings.keep_incident { self.incident.len() as u32 } else { 0 };
             let at = self.geometry.pixels()[pixel as usize];
-            let irradiance = if self.dark == Some(at.group) { Rgb::ZERO } else { self.irradiance };
+            let brighter = self.brighter(appearance.materials, pixel);
+            let is_hidden = self.facing.is_some_and(|facing| facing.hidden == Some(at.group));
+            let shown = if is_hidden { Rgb::ZERO } else { Rgb::ONE };
+            let lit =
+                |of: &Incident| Incident { irradiance: brighter * shown * of.irradiance, ..*of };
+            all.incident.extend(self.incident.iter().take(count as usize).map(lit));
+            let is_dark = self.dark == Some(at.group);
+            let irradiance = if is_dark { Rgb::ZERO } else { brighter * self.irradiance };
+            let is_misled = self.misleads && settings.cosine > 16;
+            let irradiance = if is_misled { 0.5 * irradiance } else { irradiance };
             all.probes.push(Probe {
                 pixel,
                 group: at.group,
@@ -207,7 +258,7 @@ impl Renderer for Stripes {
                 point: at.uv.extend(0.0),
                 emitted: Rgb::ZERO,
                 diffuse: irradiance * FRAC_1_PI,
-                mirror: Self::mirror(Self::wo(pixel)),
+                mirror: shown * Self::mirror(Self::wo(pixel)),
                 mirrored: None,
                 first,
                 count,
@@ -216,41 +267,25 @@ impl Renderer for Stripes {
         all
     }
 
-    fn jacobian(
-        &self,
-        appearance: Appearance<'_>,
-        pixels: &[(u32, Range<u32>)],
-        parameters: &[Parameter],
-        _: &Settings,
-        _: Option<&RadianceCache>,
-    ) -> Jacobian {
+    fn jacobian(&self, query: &Query<'_, (u32, Range<u32>)>) -> Jacobian {
+        let Query { appearance, pixels, parameters, .. } = *query;
         let pixels: Vec<u32> = pixels.iter().map(|(pixel, _)| *pixel).collect();
         let mut derivatives = vec![Rgb::ZERO; pixels.len() * parameters.len()];
-        let group_of = |index: usize| self.geometry.pixels()[pixels[index] as usize].group;
-        for (group, material) in appearance.materials.iter().enumerate().map(|(g, m)| (g as u32, m))
-        {
-            let own: Vec<usize> = (0..pixels.len()).filter(|&i| group_of(i) == group).collect();
-            let of_group: Vec<u32> = own.iter().map(|&index| pixels[index]).collect();
-            for (column, &by) in parameters.iter().enumerate() {
-                let found = self.derivatives(material, group, by, &of_group);
-                for (&index, derivative) in own.iter().zip(found) {
-                    derivatives[index * parameters.len() + column] = derivative;
-                }
+        for (column, &by) in parameters.iter().enumerate() {
+            let places: Vec<usize> =
+                (0..pixels.len()).filter(|&index| self.depends(pixels[index], by)).collect();
+            let changed: Vec<u32> = places.iter().map(|&index| pixels[index]).collect();
+            let found = self.derivatives(appearance.materials, by, &changed);
+            for (index, derivative) in places.into_iter().zip(found) {
+                derivatives[index * parameters.len() + column] = derivative;
             }
         }
         let radiance = self.radiances(appearance.materials, &pixels);
         Jacobian { radiance, derivatives }
     }
 
-    fn store<'s>(
-        &'s self,
-        _: Appearance<'_>,
-        pixels: &[u32],
-        _: &[Parameter],
-        _: &Settings,
-        _: Option<&RadianceCache>,
-    ) -> Box<dyn Stored + 's> {
-        let pixels = pixels.to_vec();
+    fn store<'s>(&'s self, query: &Query<'_>) -> Box<dyn Stored + 's> {
+        let pixels = query.pixels.to_vec();
         Box::new(StoredStripes { stripes: self, pixels })
     }
 

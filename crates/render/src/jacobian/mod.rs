@@ -30,6 +30,7 @@ pub use stored::StoredPaths;
 use crate::appearance::Appearance;
 use crate::camera_sample::camera_ray;
 use crate::path::Transport;
+use crate::query::Query;
 use crate::radiance_cache::CacheLookup;
 use crate::settings::Settings;
 use crate::tracer::Tracer;
@@ -40,27 +41,6 @@ use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use tape::Tape;
 use unrender_scene::{Camera, Rgb};
-
-/// A parameter of derivatives. Each stands for three numbers, one per channel, except that the
-/// roughnesses and the angle are shared by the channels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Parameter {
-    /// The diffuse reflectance of a group; of a textured one, a factor on its texture.
-    RhoD(u32),
-    /// The specular reflectance of a group.
-    RhoS(u32),
-    /// The roughness along a group's anisotropy direction; the derivative of a perfect mirror is
-    /// zero.
-    AlphaX(u32),
-    /// The roughness across it.
-    AlphaY(u32),
-    /// The angle of a group's anisotropy direction, per radian.
-    Theta(u32),
-    /// The factor on the emission of a light source, by its place in [`Appearance::lights`].
-    Light(u32),
-    /// A factor on the radiance in the cache ([`crate::RadianceCache`]).
-    Cache,
-}
 
 /// Pixels per parallel task, where all have as many paths.
 const CHUNK: usize = 256;
@@ -76,9 +56,9 @@ pub struct Jacobian {
 }
 
 impl Tracer {
-    /// Radiance of `pixels` (indices into a picture of `size`) and its derivatives by `parameters`;
-    /// paths end at surfaces whose radiance is in `cache`, except at the first vertex. Derivatives
-    /// by parameters of missing groups and light sources are zero.
+    /// Radiance of the pixels of `query` (indices into a picture of `size`) and its derivatives by
+    /// the parameters; the cache ends no path at its first vertex. Derivatives by parameters of
+    /// missing groups and light sources are zero.
     ///
     /// The paths are those of [`Tracer::render_pixels`] under the same seed, and so is the
     /// radiance; except where a reflectance among the parameters is so close to zero that those
@@ -86,45 +66,36 @@ impl Tracer {
     ///
     /// # Panics
     /// If the appearance has fewer materials than the scene has groups.
-    #[expect(clippy::too_many_arguments, reason = "each is an independent part of the problem")]
-    pub fn jacobian<'a>(
+    pub fn jacobian(
         &self,
-        appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         size: (usize, usize),
-        pixels: &[u32],
-        parameters: &[Parameter],
-        settings: &Settings,
-        cache: Option<CacheLookup<'_>>,
+        query: &Query<'_, u32, Settings, CacheLookup<'_>>,
     ) -> Jacobian {
-        let appearance = appearance.into();
+        let Query { appearance, pixels, parameters, settings, seen } = *query;
         if parameters.is_empty() {
-            let radiance = self
-                .radiance_reweighted(appearance, appearance, camera, size, pixels, settings, cache);
+            let radiance = self.radiance_reweighted(camera, size, appearance, query);
             return Jacobian { radiance, derivatives: Vec::new() };
         }
         let of_pixel = |pixel: &u32| (*pixel, settings.samples());
         let pixels: Vec<(u32, Range<u32>)> = pixels.iter().map(of_pixel).collect();
-        self.jacobian_of_samples(appearance, camera, size, &pixels, parameters, settings, cache)
+        let pixels = &pixels;
+        let query = Query { appearance, pixels, parameters, settings, seen };
+        self.jacobian_of_samples(camera, size, &query)
     }
 
-    /// The same for `pixels`, on the paths whose numbers stand beside each pixel instead of those of `settings`; zero
+    /// The same on the paths whose numbers stand beside each pixel instead of those of the settings; zero
     /// where there are none.
     ///
     /// # Panics
     /// If the appearance has fewer materials than the scene has groups.
-    #[expect(clippy::too_many_arguments, reason = "each is an independent part of the problem")]
-    pub fn jacobian_of_samples<'a>(
+    pub fn jacobian_of_samples(
         &self,
-        appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         size: (usize, usize),
-        pixels: &[(u32, Range<u32>)],
-        parameters: &[Parameter],
-        settings: &Settings,
-        cache: Option<CacheLookup<'_>>,
+        query: &Query<'_, (u32, Range<u32>), Settings, CacheLookup<'_>>,
     ) -> Jacobian {
-        let appearance = appearance.into();
+        let Query { appearance, pixels, parameters, settings, seen: cache } = *query;
         let drawn = plan::drawn(appearance.materials, parameters);
         let sampled_as = Appearance { materials: &drawn, ..appearance };
         let estimator = Estimator {
@@ -151,30 +122,27 @@ impl Tracer {
         Jacobian { radiance, derivatives }
     }
 
-    /// The radiance of `pixels` under `appearance`, estimated on the paths of `sampled_as` (those
+    /// The radiance of the pixels of `query` under its appearance, estimated on the paths of `sampled_as` (those
     /// of [`Tracer::render_pixels`] under the same seed) by importance weights. On common paths the
     /// noise of two appearances is correlated and mostly cancels in their difference.
     ///
-    /// The estimate is unbiased if `sampled_as` reflects wherever `appearance` does: a group that
+    /// The estimate is unbiased if `sampled_as` reflects wherever the appearance does: a group that
     /// is diffuse, glossy or a perfect mirror in one must be so in the other, and not black.
     ///
     /// # Panics
     /// If an appearance has fewer materials than the scene has groups.
-    #[expect(clippy::too_many_arguments, reason = "each is an independent part of the problem")]
     pub fn radiance_reweighted<'a>(
         &self,
-        appearance: impl Into<Appearance<'a>>,
-        sampled_as: impl Into<Appearance<'a>>,
         camera: &Camera,
         size: (usize, usize),
-        pixels: &[u32],
-        settings: &Settings,
-        cache: Option<CacheLookup<'_>>,
+        sampled_as: impl Into<Appearance<'a>>,
+        query: &Query<'_, u32, Settings, CacheLookup<'_>>,
     ) -> Vec<Rgb> {
+        let Query { appearance, pixels, settings, seen: cache, .. } = *query;
         let sampled_as = sampled_as.into();
         let estimator = Estimator {
             transport: Transport::new(self, sampled_as, settings.max_bounces).with_cache(cache),
-            plan: Plan::new(self, appearance.into(), sampled_as, &[]),
+            plan: Plan::new(self, appearance, sampled_as, &[]),
             camera,
             size,
             settings,

@@ -1,9 +1,9 @@
 //! The plan of a Jacobian: the sum of each parameter of each group and light source, and how each
 //! group is evaluated.
 
-use super::Parameter;
 use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::{Bsdf, Terms};
+use crate::query::Parameter;
 use crate::tracer::Tracer;
 use crate::virtual_lamps::Passed;
 use glam::Vec3;

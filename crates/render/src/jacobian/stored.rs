@@ -16,11 +16,12 @@
 //! light comes from the environment, 8 more where the surface has texture coordinates.
 
 use super::tape::{self, Arriving, Tape};
-use super::{CHUNK, Jacobian, Parameter, Plan, plan};
+use super::{CHUNK, Jacobian, Plan, plan};
 use crate::appearance::{Appearance, LightSource};
 use crate::bsdf::BsdfSample;
 use crate::camera_sample::camera_ray;
 use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
+use crate::query::{Parameter, Query};
 use crate::radiance_cache::{CacheLookup, Cached, RadianceCache};
 use crate::settings::Settings;
 use crate::tracer::Tracer;
@@ -89,13 +90,12 @@ impl Event {
 }
 
 impl Tracer {
-    /// Traces the paths of `pixels` (indices into a picture of `size`), drawn from the materials of `appearance`,
-    /// and keeps them, for derivatives by `parameters`. The paths are those of [`Tracer::jacobian`] under the same
-    /// seed, and without parameters those of [`Tracer::render_pixels`]; they end at surfaces whose radiance is in
-    /// `cache`, except at the first vertex.
+    /// Traces the paths of the pixels of `query` (indices into a picture of `size`), drawn from the materials of its
+    /// appearance, and keeps them, for derivatives by its parameters. The paths are those of [`Tracer::jacobian`] under
+    /// the same seed, and without parameters those of [`Tracer::render_pixels`].
     ///
     /// ```
-    /// use unrender_render::{Settings, Tracer};
+    /// use unrender_render::{Query, Settings, Tracer};
     /// # use unrender_scene::{Camera, Group, Material, Mesh, Object, Rgb, Scene};
     /// # let mut scene = Scene::default();
     /// # let mesh = Mesh::flat(&[glam::Vec3::ZERO, glam::Vec3::X, glam::Vec3::Y], &[], &[[0, 1, 2]]);
@@ -107,25 +107,20 @@ impl Tracer {
     /// let tracer = Tracer::new(&scene);
     /// let materials = scene.materials();
     /// let settings = Settings { spp: 4, ..Settings::default() };
-    /// let paths = tracer.store(&materials, &camera, (8, 8), &[27, 28], &[], &settings, None);
+    /// let paths = tracer.store(&camera, (8, 8), &Query::new(&materials, &[27, 28], &settings));
     /// let radiance = paths.replay(&tracer, &materials, &[], None).radiance;
     /// assert_eq!(radiance.len(), 2);
     /// ```
     ///
     /// # Panics
     /// If the appearance has fewer materials than the scene has groups.
-    #[expect(clippy::too_many_arguments, reason = "each is an independent part of the problem")]
-    pub fn store<'a>(
+    pub fn store(
         &self,
-        appearance: impl Into<Appearance<'a>>,
         camera: &Camera,
         size: (usize, usize),
-        pixels: &[u32],
-        parameters: &[Parameter],
-        settings: &Settings,
-        cache: Option<CacheLookup<'_>>,
+        query: &Query<'_, u32, Settings, CacheLookup<'_>>,
     ) -> StoredPaths {
-        let appearance = appearance.into();
+        let Query { appearance, pixels, parameters, settings, seen: cache } = *query;
         let drawn = plan::drawn(appearance.materials, parameters);
         let sampled_as = Appearance { materials: &drawn, ..appearance };
         let transport = Transport::new(self, sampled_as, settings.max_bounces).with_cache(cache);

@@ -5,7 +5,7 @@ use crate::common::{Estimate, Stage, assert_agree};
 use crate::common::{Random, camera, settings};
 use glam::{DVec3, Vec3};
 use unrender_render::bsdf::{Bsdf, lobe};
-use unrender_render::{GlossyLobe, Parameter};
+use unrender_render::{GlossyLobe, Parameter, Query};
 use unrender_scene::reflectance::fresnel;
 use unrender_scene::{BrdfModel, Layering, LobeAlbedo, Material, Rgb};
 
@@ -292,10 +292,16 @@ fn stored_paths_bring_what_traced_ones_bring() {
             Parameter::AlphaX(1),
         ];
         let settings = settings(16);
-        let traced =
-            tracer.jacobian(&materials, &view, (16, 16), &pixels, &parameters, &settings, None);
-        let paths =
-            tracer.store(&materials, &view, (16, 16), &pixels, &parameters, &settings, None);
+        let traced = tracer.jacobian(
+            &view,
+            (16, 16),
+            &Query { parameters: &parameters, ..Query::new(&materials, &pixels, &settings) },
+        );
+        let paths = tracer.store(
+            &view,
+            (16, 16),
+            &Query { parameters: &parameters, ..Query::new(&materials, &pixels, &settings) },
+        );
         let replayed = paths.replay(&tracer, &materials, &parameters, None);
         let scale = traced.radiance.iter().map(|r| r.max_element()).fold(0.0, f32::max);
         for (a, b) in traced.radiance.iter().zip(&replayed.radiance) {
@@ -318,8 +324,11 @@ fn derivatives_of_pictures_are_those_of_stored_paths_under_other_materials() {
     let pixels: Vec<u32> = (0..256).collect();
     let parameters =
         [Parameter::RhoD(0), Parameter::AlphaX(0), Parameter::RhoS(1), Parameter::AlphaX(1)];
-    let paths =
-        tracer.store(&materials, &view, (16, 16), &pixels, &parameters, &settings(16), None);
+    let paths = tracer.store(
+        &view,
+        (16, 16),
+        &Query { parameters: &parameters, ..Query::new(&materials, &pixels, &settings(16)) },
+    );
     let jacobian = paths.replay(&tracer, &materials, &parameters, None);
     for (k, parameter) in parameters.iter().enumerate() {
         let step = 5e-4;

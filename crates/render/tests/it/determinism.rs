@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use std::sync::Arc;
 use unrender_render::adaptive::SampleAllocation;
 use unrender_render::probe::ProposalLobe;
-use unrender_render::{Accumulator, Film, ProbeSettings, Probes, Settings};
+use unrender_render::{Accumulator, Film, ProbeSettings, Probes, Query, Settings};
 use unrender_scene::{Camera, Image, Material, Rgb, Texture, Wrap};
 
 /// A small room with a lamp, a glossy ball and a mirror.
@@ -47,8 +47,11 @@ fn film_and_probes(threads: usize, seed: u64) -> (Film, Probes) {
     pool.install(|| {
         let film = stage.render(&view(), SIDE, Settings { seed, ..settings(8) });
         let materials = stage.scene.materials();
-        let probes =
-            stage.tracer().probe(&materials, &view(), (SIDE, SIDE), &pixels, &probe_settings, None);
+        let probes = stage.tracer().probe(
+            &view(),
+            (SIDE, SIDE),
+            &Query::new(&materials, &pixels, &probe_settings),
+        );
         (film, probes)
     })
 }

@@ -6,7 +6,7 @@ use crate::common::{Estimate, Random, Stage, assert_agree, camera, settings};
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use unrender_render::environment::EnvironmentSampler;
-use unrender_render::{Appearance, Parameter, ProbeSettings};
+use unrender_render::{Appearance, Parameter, ProbeSettings, Query};
 use unrender_scene::{Environment, LightKind, Material, Rgb, RgbImage, WardModel};
 
 const RHO: Rgb = Rgb::new(0.2, 0.5, 0.8);
@@ -222,7 +222,7 @@ fn probes_and_derivatives_know_the_environment() {
     let pixels: Vec<u32> = (0..64).collect();
     let asked =
         ProbeSettings { probes_per_pixel: 4, cosine: 64, mirror: true, ..Default::default() };
-    let probes = tracer.probe(&materials, &view, size, &pixels, &asked, None).probes;
+    let probes = tracer.probe(&view, size, &Query::new(&materials, &pixels, &asked)).probes;
     let diffuse: Vec<DVec3> = probes.iter().map(|p| p.diffuse.as_dvec3()).collect();
     let irradiance = zenith * (TAU / 3.0);
     let expected = Estimate::exactly(irradiance * FRAC_1_PI);
@@ -237,7 +237,11 @@ fn probes_and_derivatives_know_the_environment() {
     let source = Parameter::Light(1);
     let twice = [Rgb::ONE, Rgb::splat(2.0)];
     let appearance = Appearance { materials: &materials, lights: &twice };
-    let found = tracer.jacobian(appearance, &view, size, &pixels, &[source], &settings(16), None);
+    let found = tracer.jacobian(
+        &view,
+        size,
+        &Query { parameters: &[source], ..Query::new(appearance, &pixels, &settings(16)) },
+    );
     for (radiance, derivative) in found.radiance.iter().zip(&found.derivatives) {
         assert!((*radiance - 2.0 * *derivative).abs().max_element() < 1e-5 * radiance.x);
     }
@@ -247,7 +251,11 @@ fn probes_and_derivatives_know_the_environment() {
     }
     // Rays that meet nothing see it too.
     let beyond = camera(Vec3::Y, 2.0 * Vec3::Y + Vec3::X, 0.1);
-    let found = tracer.jacobian(appearance, &beyond, size, &pixels, &[source], &settings(4), None);
+    let found = tracer.jacobian(
+        &beyond,
+        size,
+        &Query { parameters: &[source], ..Query::new(appearance, &pixels, &settings(4)) },
+    );
     let film = tracer.render(appearance, &beyond, size, &settings(4), &|_| ());
     for (index, mean) in film.mean.pixels().iter().enumerate() {
         assert!(mean.min_element() > 0.0);
@@ -272,8 +280,11 @@ fn parts_of_an_environment_are_sources_of_their_own() {
     let (size, pixels) = ((8, 8), (0..64).collect::<Vec<u32>>());
     let camera = camera(Vec3::new(0.8, 2.0, 3.5), Vec3::ZERO, 0.7);
     let tracer = unrender_render::Tracer::new(&stage.scene);
-    let found =
-        tracer.jacobian(appearance, &camera, size, &pixels, &parameters, &settings(256), None);
+    let found = tracer.jacobian(
+        &camera,
+        size,
+        &Query { parameters: &parameters, ..Query::new(appearance, &pixels, &settings(256)) },
+    );
     for (row, radiance) in found.derivatives.chunks(32).zip(&found.radiance) {
         let sum: Rgb = row.iter().zip(&factors).map(|(by, factor)| *by * *factor).sum();
         assert!((sum - radiance).abs().max_element() <= 2e-5 * radiance.max_element());
@@ -283,7 +294,7 @@ fn parts_of_an_environment_are_sources_of_their_own() {
     stage.scene.environment = Some(environment(panorama, 0.0));
     let other = unrender_render::Tracer::new(&stage.scene);
     let other =
-        other.jacobian(&materials, &camera, size, &pixels, &[], &settings(256), None).radiance;
+        other.jacobian(&camera, size, &Query::new(&materials, &pixels, &settings(256))).radiance;
     let [a, b] = [&found.radiance, &other].map(|of| of.iter().map(|v| v.as_dvec3()).sum::<DVec3>());
     assert!((a / b - 1.0).abs().max_element() < 0.01, "{a} {b}");
 }

@@ -6,7 +6,7 @@ use crate::common::{Stage, camera, plate_corners, quad_mesh, settings};
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 use unrender_render::radiance_cache::CacheLookup;
-use unrender_render::{Appearance, Jacobian, Parameter, RadianceCache, Settings, Tracer};
+use unrender_render::{Appearance, Jacobian, Parameter, Query, RadianceCache, Settings, Tracer};
 use unrender_scene::{
     BrdfModel, Camera, Image, LightKind, Material, Rgb, Texture, WardModel, Wrap,
 };
@@ -85,7 +85,11 @@ impl Room {
         seen: Option<CacheLookup<'_>>,
     ) -> Jacobian {
         let (appearance, pixels) = (self.appearance(), all_pixels());
-        self.tracer.jacobian(appearance, &self.camera, SIZE, &pixels, parameters, settings, seen)
+        self.tracer.jacobian(
+            &self.camera,
+            SIZE,
+            &Query { parameters, seen, ..Query::new(appearance, &pixels, settings) },
+        )
     }
 
     /// The same scene with a parameter moved by `step`, in all channels.
@@ -127,7 +131,12 @@ impl Room {
         let (materials, lights) = self.moved(parameter, step);
         let moved = Appearance { materials: &materials, lights: &lights };
         let (drawn, camera, pixels) = (self.appearance(), &self.camera, all_pixels());
-        self.tracer.radiance_reweighted(moved, drawn, camera, SIZE, &pixels, settings, lookup)
+        self.tracer.radiance_reweighted(
+            camera,
+            SIZE,
+            drawn,
+            &Query { seen: lookup, ..Query::new(moved, &pixels, settings) },
+        )
     }
 
     /// The radiance cache of a photograph of the room, valid on the walls.
@@ -284,7 +293,11 @@ fn stored_paths_give_the_same_as_traced_ones() {
         let (mut all, settings, pixels) = (everything(), settings(16), all_pixels());
         all.push(Parameter::Cache);
         let (camera, drawn) = (&room.camera, room.appearance());
-        let stored = room.tracer.store(drawn, camera, SIZE, &pixels, &all, &settings, seen);
+        let stored = room.tracer.store(
+            camera,
+            SIZE,
+            &Query { parameters: &all, seen, ..Query::new(drawn, &pixels, &settings) },
+        );
         let bytes = stored.bytes() as f64 / (pixels.len() * 16) as f64;
         assert!((40.0..1000.0).contains(&bytes), "{bytes} bytes a path");
 
@@ -302,8 +315,12 @@ fn stored_paths_give_the_same_as_traced_ones() {
             let (materials, lights) = room.moved(parameter, 0.15);
             let moved = Appearance { materials: &materials, lights: &lights };
             let tracer = &room.tracer;
-            let traced =
-                tracer.radiance_reweighted(moved, drawn, camera, SIZE, &pixels, &settings, seen);
+            let traced = tracer.radiance_reweighted(
+                camera,
+                SIZE,
+                drawn,
+                &Query { seen, ..Query::new(moved, &pixels, &settings) },
+            );
             assert_same(&stored.replay(tracer, moved, &[], cache).radiance, &traced);
         }
     }
@@ -345,7 +362,11 @@ fn any_number_of_threads_gives_the_same_bits() {
         let (all, settings) = (everything(), settings(2));
         let (materials, camera) = (&room.materials, &room.camera);
         pool.install(|| {
-            room.tracer.jacobian(materials, camera, SIZE, &pixels, &all, &settings, None)
+            room.tracer.jacobian(
+                camera,
+                SIZE,
+                &Query { parameters: &all, ..Query::new(materials, &pixels, &settings) },
+            )
         })
     };
     let one = with(1);
@@ -375,7 +396,11 @@ fn what_is_asked_is_what_comes_back() {
     // Chosen pixels are those of the whole picture.
     let pixels = [7, 99, 3];
     let (appearance, camera) = (room.appearance(), &room.camera);
-    let chosen = room.tracer.jacobian(appearance, camera, SIZE, &pixels, &all, &settings, None);
+    let chosen = room.tracer.jacobian(
+        camera,
+        SIZE,
+        &Query { parameters: &all, ..Query::new(appearance, &pixels, &settings) },
+    );
     for (row, pixel) in chosen.derivatives.chunks(all.len()).zip(pixels) {
         assert_eq!(row, &whole.derivatives[pixel as usize * all.len()..][..all.len()]);
     }
@@ -394,13 +419,9 @@ fn each_pixel_has_paths_of_its_own() {
     let pixels = all_pixels().into_iter();
     let asked: Vec<_> = pixels.map(|p| (p, ranges[p as usize % 3].clone())).collect();
     let found = room.tracer.jacobian_of_samples(
-        room.appearance(),
         &room.camera,
         SIZE,
-        &asked,
-        &all,
-        &settings(1),
-        None,
+        &Query { parameters: &all, ..Query::new(room.appearance(), &asked, &settings(1)) },
     );
     for pixel in 0..asked.len() {
         let row = |jacobian: &Jacobian| {

@@ -3,7 +3,7 @@
 
 use crate::common::{Estimate, Stage, assert_agree, camera, settings};
 use glam::{DVec3, Vec3};
-use unrender_render::{Appearance, Parameter, Settings, Tracer};
+use unrender_render::{Appearance, Parameter, Query, Settings, Tracer};
 use unrender_scene::{BrdfModel, Camera, LightKind, Material, Rgb, WardModel};
 
 const FLOOR: u32 = 0;
@@ -32,7 +32,11 @@ impl TestView {
         let (materials, camera) = (&self.materials, &self.camera);
         let one = |seed| {
             let settings = Settings { seed, ..settings };
-            self.tracer.jacobian(materials, camera, SIZE, &pixels, parameters, &settings, None)
+            self.tracer.jacobian(
+                camera,
+                SIZE,
+                &Query { parameters, ..Query::new(materials, &pixels, &settings) },
+            )
         };
         // Other seeds than those of the renderings.
         let jacobians: Vec<_> = (100..100 + SEEDS).map(one).collect();

@@ -5,7 +5,7 @@
 use crate::common::{Estimate, Random, Stage, assert_agree, camera, settings};
 use glam::{DVec3, Vec3};
 use unrender_render::probe::{Incident, ProposalLobe};
-use unrender_render::{Film, GlossyLobe, Probe, ProbeSettings, Probes, Settings, Tracer};
+use unrender_render::{Film, GlossyLobe, Probe, ProbeSettings, Probes, Query, Settings, Tracer};
 use unrender_scene::{BrdfModel, Camera, LightKind, Material, Rgb, WardModel};
 
 const SIDE: usize = 16;
@@ -72,7 +72,11 @@ impl Room {
     /// own material matters little; but light that it sends to the walls does come back.
     fn probes(&self, plate: &Material, settings: &ProbeSettings) -> Probes {
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
-        self.tracer.probe(&self.with(plate), &self.camera, (SIDE, SIDE), &pixels, settings, None)
+        self.tracer.probe(
+            &self.camera,
+            (SIDE, SIDE),
+            &Query::new(&self.with(plate), &pixels, settings),
+        )
     }
 }
 
@@ -249,7 +253,9 @@ fn mirrors_on_the_way_count_as_bounces() {
             max_bounces,
             ..ProbeSettings::default()
         };
-        for probe in tracer.probe(&materials, &view, (8, 8), &[0, 9, 63], &settings, None).probes {
+        for probe in
+            tracer.probe(&view, (8, 8), &Query::new(&materials, &[0, 9, 63], &settings)).probes
+        {
             assert_eq!(probe.group, target as u32);
             assert_eq!(probe.diffuse != Rgb::ZERO, lit, "{max_bounces} bounces");
         }
@@ -292,7 +298,7 @@ fn probes_go_through_mirrors_with_what_the_mirrors_leave() {
     let pixels: Vec<u32> = (0..64).collect();
     let settings =
         ProbeSettings { through_mirrors: true, probes_per_pixel: 512, ..ProbeSettings::default() };
-    let probes = tracer.probe(&materials, &view, (8, 8), &pixels, &settings, None);
+    let probes = tracer.probe(&view, (8, 8), &Query::new(&materials, &pixels, &settings));
     assert_eq!(probes.probes.len(), 64 * 512);
     let throughput = Rgb::new(0.9, 0.5, 0.2) * Rgb::new(0.3, 0.8, 0.5);
     for probe in &probes.probes {
@@ -304,7 +310,7 @@ fn probes_go_through_mirrors_with_what_the_mirrors_leave() {
     let samples: Vec<_> = probes.probes.iter().map(radiance).collect();
     assert_agree("periscope", Estimate::of_samples(&samples), rendered, 2e-3);
     let settings = ProbeSettings { through_mirrors: false, ..settings };
-    let probes = tracer.probe(&materials, &view, (8, 8), &pixels, &settings, None);
+    let probes = tracer.probe(&view, (8, 8), &Query::new(&materials, &pixels, &settings));
     assert!(probes.probes.iter().all(|p| p.group != target as u32 && p.throughput == Rgb::ONE));
 }
 

@@ -6,7 +6,7 @@ use crate::common::{Estimate, Stage, assert_agree, camera, plate_corners, settin
 use crate::guiding::irradiance_by_polygon;
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
-use unrender_render::{Integrator, Parameter, ProbeSettings, Settings};
+use unrender_render::{Integrator, Parameter, ProbeSettings, Query, Settings};
 use unrender_scene::{Camera, Environment, LightKind, Material, Rgb, RgbImage};
 
 /// Of the wall, the floor and the mirror on the right.
@@ -222,8 +222,11 @@ fn path_reuse_and_probes_see_the_same_images() {
     assert_agree("path reuse", found, expected, 4e-3);
     let pixels: Vec<u32> = (0..24 * 24).collect();
     let settings = ProbeSettings { probes_per_pixel: 4, seed: 3, ..ProbeSettings::default() };
-    let probes =
-        stage.tracer().probe(&stage.scene.materials(), &camera, (24, 24), &pixels, &settings, None);
+    let probes = stage.tracer().probe(
+        &camera,
+        (24, 24),
+        &Query::new(&stage.scene.materials(), &pixels, &settings),
+    );
     let radiance = |probe: &unrender_render::Probe| (RHO * probe.diffuse).as_dvec3();
     let samples: Vec<DVec3> = probes.probes.iter().map(radiance).collect();
     assert_agree("probes", Estimate::of_samples(&samples), expected, 1e-2);
@@ -238,13 +241,12 @@ fn the_derivative_by_a_mirror_is_the_light_of_its_images() {
     let light = irradiance(point, images[1]) + irradiance(point, images[3]);
     let pixels: Vec<u32> = (0..256).collect();
     let jacobian = stage.tracer().jacobian(
-        &stage.scene.materials(),
         &view(point),
         (16, 16),
-        &pixels,
-        &[Parameter::RhoS(FLOOR_GROUP)],
-        &settings(256),
-        None,
+        &Query {
+            parameters: &[Parameter::RhoS(FLOOR_GROUP)],
+            ..Query::new(&stage.scene.materials(), &pixels, &settings(256))
+        },
     );
     let samples: Vec<DVec3> = jacobian.derivatives.iter().map(|d| d.as_dvec3()).collect();
     let expected = Estimate::exactly(RHO * FRAC_1_PI * light / FLOOR);

@@ -95,7 +95,7 @@ fn seen(tracer: &Tracer, camera: &Camera, geometry: &GeometryBuffers) -> Vec<Sam
         let (point, normal) = (surface.point, surface.geometric_normal);
         Some(Sample { point, normal, object: surface.object as usize })
     };
-    let sample = |pixels: &Vec<u32>| unrender_recover::blocks::spread(pixels, POINTS, 0);
+    let sample = |pixels: &Vec<u32>| unrender_recover::observe::blocks::spread(pixels, POINTS, 0);
     pixels.values().flat_map(sample).filter_map(point).collect()
 }
 

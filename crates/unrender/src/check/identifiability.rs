@@ -11,10 +11,10 @@
 //! slope of `ln P` over `ln D` is one; it is near 1/2.2 for encoded values that were taken as linear,
 //! and near 2.2 for linear ones that were decoded.
 
-use unrender_recover::evidence::{Evidence, SampleBudget, Stage};
-use unrender_recover::model_error::{Allowance, LightError, ModelError};
-use unrender_recover::rerender::round_lobes;
-use unrender_render::{Appearance, ProbeSettings};
+use unrender_recover::evidence::{Evidence, SampleBudget};
+use unrender_recover::observe::model_error::{Allowance, LightError, ModelError};
+use unrender_recover::observe::sample::Stage;
+use unrender_render::{Appearance, ProbeSettings, ProposalLobe};
 use unrender_scene::Rgb;
 use unrender_scene::color::luminance;
 
@@ -58,7 +58,7 @@ pub(super) fn identifiability(
         let probe = ProbeSettings {
             cosine: COSINE,
             per_lobe: PER_LOBE,
-            lobes: round_lobes(&ALPHAS),
+            lobes: ProposalLobe::round(&ALPHAS),
             keep_incident: true,
             seed,
             max_bounces,
@@ -89,7 +89,7 @@ pub(super) fn identifiability(
         [contrast(&highlight, &light), contrast(&image, &light)]
     });
     let most = |which: usize| shine[0][which].max(shine[1][which]);
-    let photo: Vec<f32> = all.pixels.iter().map(|pixel| luminance(pixel.radiance)).collect();
+    let photo: Vec<f32> = all.sample.pixels.iter().map(|pixel| luminance(pixel.radiance)).collect();
     let is_lit = |i: &usize| straight[0][*i] + straight[1][*i] > 0.0;
     Some(Identifiability {
         lit: (0..photo.len()).filter(is_lit).count() as f32 / photo.len() as f32,

@@ -55,7 +55,7 @@ fn seen_points(subject: &Subject<'_>) -> Vec<SurfacePoint> {
     let is_seen = |i: &u32| geometry.pixels()[*i as usize].object != NOTHING;
     let pixels: Vec<u32> = (0..(width * height) as u32).filter(is_seen).collect();
     let point = |pixel: u32| surface_behind(subject.tracer, camera, (width, height), pixel);
-    let sample = unrender_recover::blocks::spread(&pixels, POINTS, 0);
+    let sample = unrender_recover::observe::blocks::spread(&pixels, POINTS, 0);
     let surfaces = sample.into_iter().filter_map(point);
     surfaces.map(|s| (offset(s.point, s.geometric_normal), s.geometric_normal)).collect()
 }

@@ -28,7 +28,7 @@ use crate::registered::RegisteredModel;
 use crate::registration::{self, Alignment};
 use glam::Vec3;
 use identifiability::{Identifiability, identifiability};
-use unrender_recover::evidence::Stage;
+use unrender_recover::observe::sample::Stage;
 use unrender_recover::{GroupSpec, Observation, PixelStatus, Role, View};
 use unrender_render::accel::Ray;
 use unrender_render::surface::Surface;
@@ -162,7 +162,7 @@ fn prospects_among(
         Role::Known | Role::Emitter => spec.material.clone(),
     };
     let materials: Vec<Material> = specs.iter().map(material).collect();
-    let stage = Stage { observation, exposure: Rgb::ONE, renderer: view, seen };
+    let stage = Stage { observation, camera: (&[], &[]), exposure: Rgb::ONE, renderer: view, seen };
     let [fewest, most] = PIXELS_OF_GROUP;
     let count = (PIXELS / specs.len().max(1)).clamp(fewest, most);
     let look = |(group, spec): (usize, &GroupSpec)| {

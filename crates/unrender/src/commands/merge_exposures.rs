@@ -104,10 +104,9 @@ fn check_outputs(args: &Args) -> Result<(), Error> {
 }
 
 fn response(value: &Path) -> Result<Response, Error> {
-    match value.to_str() {
-        Some("srgb") => Ok(Response::Srgb),
-        Some("linear") => Ok(Response::Linear),
-        _ => Ok(photograph::measured(value)?),
+    match value.to_str().and_then(|name| name.parse().ok()) {
+        Some(response) => Ok(response),
+        None => Ok(photograph::measured(value)?),
     }
 }
 

@@ -13,7 +13,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::Limits;
-use unrender_recover::{Journal, LadderKind, Options, Termination, effort};
+use unrender_paper::{Direction, Paper};
+use unrender_recover::{Journal, Options, Termination, effort};
 use unrender_remote::Workers;
 use unrender_scene::{Hypothesis, Warnings};
 
@@ -271,14 +272,15 @@ fn recovered_with(
     let pixels = (0..job.photographs()).map(|k| job.photo_of(k).radiance.pixels().len()).sum();
     let asked = Asked {
         options: options(args, &job.project, pixels),
+        paper: paper(args, &job.project),
         alignment: alignment(args),
         workers,
         journal: journal.map(|journal| journal as &dyn Journal),
     };
     let is_full = args.picture == PictureSize::Full && job.side > 1;
     let share = if is_full { all * (1.0 - FULL_SHARE) } else { all };
-    let (ladder, pausable) = (asked.options.ladder, Pausable::new());
-    let mut follower = RecoveryProgress { progress, ladder, share, pausable, journal };
+    let (is_papers, pausable) = (asked.paper.is_some(), Pausable::new());
+    let mut follower = RecoveryProgress { progress, is_papers, share, pausable, journal };
     let mut recovered = engine::recover(job, &asked, &mut follower)?;
     drop(follower);
     if is_full && recovered.recovery.termination != Termination::Interrupted {
@@ -333,29 +335,28 @@ fn alignment(args: &Args) -> Alignment {
     }
 }
 
+/// The settings of the paper's method, if that is asked for.
+fn paper(args: &Args, project: &Project) -> Option<Paper> {
+    let direction = match args.paper_direction {
+        PaperDirection::Rerender => Direction::Rerender,
+        PaperDirection::Text => Direction::Text,
+    };
+    let thresholds = project.paper_thresholds;
+    let paper = Paper { direction, thresholds, ..Paper::default() };
+    (args.ladder == Ladder::Paper).then_some(paper)
+}
+
 /// The options of a recovery from this many `pixels`.
 fn options(args: &Args, project: &Project, pixels: usize) -> Options {
-    let defaults = Options::default();
-    let ladder = match args.ladder {
-        Ladder::Default => LadderKind::Default,
-        Ladder::Paper => LadderKind::Paper,
-    };
-    let paper_direction = match args.paper_direction {
-        PaperDirection::Rerender => unrender_recover::PaperDirection::Rerender,
-        PaperDirection::Text => unrender_recover::PaperDirection::Text,
-    };
     let effort = args.effort.of_recovery();
     Options {
-        ladder,
-        paper_direction,
         effort,
         seed: args.seed,
         spp: args.spp.unwrap_or(effort.last_spp(pixels)),
-        max_bounces: args.bounces.unwrap_or(defaults.max_bounces),
+        max_bounces: args.bounces.unwrap_or(Options::default().max_bounces),
         thresholds: project.thresholds,
         refine: !args.no_refine,
         outliers: !args.no_filter,
         force: args.force,
-        ..defaults
     }
 }

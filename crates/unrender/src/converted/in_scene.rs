@@ -16,9 +16,9 @@
 use super::target::TargetLobe;
 use glam::Vec3;
 use unrender_recover::Renderer;
-use unrender_recover::blocks::spread;
+use unrender_recover::observe::blocks::spread;
 use unrender_render::probe::ProposalLobe;
-use unrender_render::{Appearance, ProbeSettings, Probes};
+use unrender_render::{Appearance, ProbeSettings, Probes, Query};
 use unrender_scene::{Lobe, Material, Rgb};
 
 /// Pixels of a group.
@@ -108,7 +108,7 @@ fn probe(
         keep_incident: true,
         ..ProbeSettings::default()
     };
-    let mut probes = view.probe(Appearance::from(materials), pixels, &settings, None);
+    let mut probes = view.probe(&Query::new(Appearance::from(materials), pixels, &settings));
     probes.probes.retain(|probe| probe.group as usize == group);
     probes
 }

@@ -84,6 +84,8 @@ pub struct Project {
     pub layering: Option<Layering>,
     /// The thresholds of model selection.
     pub thresholds: Thresholds,
+    /// Those of the paper's method, as in [`unrender_paper::Paper::thresholds`].
+    pub paper_thresholds: [f64; 6],
     /// The hypotheses that groups may have, if the project states them.
     pub rungs: Option<Vec<Hypothesis>>,
     /// The same for single groups.

@@ -9,6 +9,7 @@ use std::path::Path;
 use toml::Value;
 use unrender_formats::materials::ReflectanceEntry;
 use unrender_formats::{LightUnits, Limits};
+use unrender_paper::Paper;
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
@@ -56,6 +57,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let expected = expected::all(&raw.groups, &rungs_of, anchored, brdf.unwrap_or_default())?;
     let like = like::all(&raw.groups, anchored)?;
     let light_units = raw.light_units.as_deref().map(str::parse::<LightUnits>).transpose();
+    let (thresholds, paper_thresholds) = thresholds(&raw.recover.thresholds)?;
     let project = Project {
         path: path.to_owned(),
         scene: folder.join(&raw.scene),
@@ -80,7 +82,8 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         environment: environment.transpose()?,
         brdf,
         layering,
-        thresholds: thresholds(&raw.recover.thresholds)?,
+        thresholds,
+        paper_thresholds,
         rungs,
         group_rungs,
         expected,
@@ -275,10 +278,10 @@ fn known(key: &str, raw: &RawKnown) -> Result<Known, String> {
     Ok(known)
 }
 
-/// The table `[recover] thresholds`: those of the default ladder by their names, those of the
-/// paper's by the rung that a group leaves above them.
-fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
-    let mut thresholds = Thresholds::default();
+/// The table `[recover] thresholds`: those of the default ladder by their names, and those of the paper's by the rung that
+/// a group leaves above them.
+fn thresholds(raw: &BTreeMap<String, f64>) -> Result<(Thresholds, [f64; 6]), String> {
+    let (mut thresholds, mut of_paper) = (Thresholds::default(), Paper::default().thresholds);
     for (name, &value) in raw {
         if !(value.is_finite() && value > 0.0) {
             return Err(format!("recover.thresholds.{name} is {value}; it must be positive"));
@@ -289,7 +292,7 @@ fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
             ("simpler", _) => thresholds.simpler = Some(value),
             ("textured", _) => thresholds.textured = Some(value),
             ("dispersion", _) => thresholds.dispersion = value,
-            (_, Some(rung)) => thresholds.paper[rung] = value,
+            (_, Some(rung)) => of_paper[rung] = value,
             _ => {
                 let rungs = unrender_recover::hypothesis::UNIFORM.map(|h| h.name()).join(", ");
                 return Err(format!(
@@ -299,5 +302,5 @@ fn thresholds(raw: &BTreeMap<String, f64>) -> Result<Thresholds, String> {
             }
         }
     }
-    Ok(thresholds)
+    Ok((thresholds, of_paper))
 }

@@ -85,9 +85,10 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
 /// The key `response`; files are relative to `folder`.
 pub(super) fn response(value: &Value, folder: &Path) -> Result<ResponseChoice, String> {
     if let Some(name) = value.as_str() {
+        if let Ok(response) = name.parse() {
+            return Ok(ResponseChoice::Stated(response));
+        }
         return match name {
-            "srgb" => Ok(ResponseChoice::Stated(Response::Srgb)),
-            "linear" => Ok(ResponseChoice::Stated(Response::Linear)),
             "auto" => Ok(ResponseChoice::Auto),
             _ if name.contains(['.', '/']) => Ok(ResponseChoice::Measured(folder.join(name))),
             _ => Err(format!("response: there is no \"{name}\"; {RESPONSES}")),

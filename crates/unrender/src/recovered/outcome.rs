@@ -1,12 +1,15 @@
 //! A recovery with its photograph: its camera, its scene and its pictures.
 
+use super::alike;
+use super::parts::{self, ObjectsSeen};
 use crate::Job;
 use crate::registered::RegisteredModel;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use unrender_formats::materials::PhotographEntry;
+use unrender_paper::Paper;
 use unrender_photo::{Exposure, develop};
-use unrender_recover::{ObjectsSeen, Options, Recovery};
+use unrender_recover::{Options, Recovery};
 use unrender_scene::{Camera, Image, Rgb, RgbImage, Scene};
 
 /// A recovery, its options and its duration.
@@ -16,6 +19,8 @@ pub struct Recovered {
     pub recovery: Recovery,
     /// Its options.
     pub options: Options,
+    /// The settings of the paper's method, if it was that.
+    pub paper: Option<Paper>,
     /// For each photograph the photometric parameters, if they were recovered.
     pub photographs: Vec<Option<PhotographEntry>>,
     /// The registration of the model with each photograph.
@@ -47,11 +52,13 @@ impl Recovered {
     /// For each group of `job` by its name: the names of those that agree with it. Groups that share a
     /// material in the project are not compared with each other.
     pub fn alike(&self, job: &Job) -> BTreeMap<&str, Vec<&str>> {
-        self.recovery.alike(|name| !job.project.same_as.contains_key(name))
+        let counts = |name: &str| !job.project.same_as.contains_key(name);
+        let groups = self.recovery.groups.iter().filter(|group| counts(&group.name));
+        alike::find(&groups.collect::<Vec<_>>())
     }
 
-    /// For each group of `job` to be split by object, by its index: the objects of its parts ([`Recovery::parts`]).
-    /// Groups that share a material in the project are examined one by one.
+    /// For each group of `job` to be split by object, by its index: the objects of its parts, the one with the most pixels
+    /// first. Groups that share a material in the project are examined one by one.
     pub fn parts(&self, job: &Job) -> BTreeMap<usize, Vec<Vec<usize>>> {
         // The photograph was developed with the stated exposure, or else with an exposure of one.
         let exposure = match job.project.exposure {
@@ -60,7 +67,7 @@ impl Recovered {
         };
         let photograph = job.radiance_on_sheet().map(|value| exposure * *value);
         let (groups, map) = (&job.own_groups[..], &self.object_map);
-        self.recovery.parts(&ObjectsSeen { groups, map, photograph: &photograph })
+        parts::find(&self.recovery, &ObjectsSeen { groups, map, photograph: &photograph })
     }
 
     /// The camera of the first photograph of `job` that the recovery used.
@@ -81,6 +88,7 @@ impl Recovered {
         Cow::Owned(Self {
             recovery,
             options: self.options.clone(),
+            paper: self.paper,
             photographs: vec![self.photographs[photograph].clone()],
             registered: vec![self.registered[photograph].clone()],
             group_map: sheet.cut(&self.group_map, photograph),

@@ -3,7 +3,7 @@
 
 use super::number::{count, percent};
 use super::{Key, RunFolder, parameters};
-use crate::run::{CandidateEntry, RunGroup};
+use crate::run::{CandidateEntry, DecisionEntry, RunGroup};
 use maud::{Markup, html};
 use unrender_formats::materials::{Hypothesis, Status, StatusEntry};
 
@@ -21,9 +21,9 @@ pub(super) fn of(source: &RunFolder<'_>, key: &Key, name: &str, group: &RunGroup
     }
 }
 
-/// The reason for the group's hypothesis, in words.
+/// The reason for the group's hypothesis, in words: that of the last change that was made.
 fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
-    let last = group.selection_log.iter().rev().find(|candidate| candidate.accepted);
+    let last = group.decisions.iter().rposition(|decision| decision.made);
     let hypothesis = group.entry.hypothesis.unwrap_or(Hypothesis::Diffuse);
     let paper = source.run.settings.ladder == "paper";
     let ladder = source.run.iterations.iter().rev().find(|iteration| !iteration.refining);
@@ -37,19 +37,30 @@ fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
             (Some(StatusEntry::Of(Status::Assumed)), ..) => "Not determined by this photograph.",
             (_, Hypothesis::Textured, _) => "No uniform reflectance explains it: its texture was \
                 taken from the photograph.",
-            (_, _, None) if open => "When the ladder ended, the error of its first rung was larger \
-            than noise and the threshold explain.",
-            (_, _, Some(last)) if last.hypothesis != hypothesis =>
-                "The refinement made it simpler: the addition of the rung above is not \
-                 significant.",
-            (_, _, Some(_)) if open && !paper => "The simplest rung that explains as much as the \
-            best one; but even its error is larger than noise and the threshold explain.",
-            (_, _, Some(_)) if paper => "The error fell below the rung's threshold, or the ladder \
-                ended.",
-            (_, _, Some(_)) => "The simplest rung that explains as much as the best one, within \
-                noise and thresholds.",
+            _ if paper => "The error fell below the rung's threshold, or the ladder ended.",
+            (_, _, Some(last)) => (because(&group.decisions, last)),
+            (_, _, None) if open => "No other hypothesis explains it better; but its error is \
+                larger than noise and the threshold explain.",
             (_, _, None) => "No other rung was needed: in the end the error of the first one was \
-            within noise and the threshold.",
+                within noise and the threshold.",
+        }
+        @if last.is_some() && open && !paper { " Even its error is larger than noise and the threshold explain." }
+    }
+}
+
+/// Why the change was made that the decision number `last` made.
+fn because(decisions: &[DecisionEntry], last: usize) -> Markup {
+    let DecisionEntry { from, to, rule, .. } = &decisions[last];
+    // The whole picture has the last word over what another rule proposes.
+    let before = last.checked_sub(1).map(|before| &decisions[before]);
+    let before = before.filter(|before| before.to == *to && before.rule == "other groups");
+    html! {
+        @match before.map_or(rule, |before| &before.rule).as_str() {
+            "other groups" => { "The other groups are explained better by its light as " (to) " than as " (from) "." }
+            "branch" => { "The whole photograph is explained better with it as " (to) " than as " (from) "." }
+            "simpler" => { "Its numbers as " (from) " are not significant: as " (to) " it explains the photograph as well." }
+            "project" => { "The project allows no other." }
+            _ => { "The simplest rung that explains as much as the best one, within noise and thresholds: " (to) "." }
         }
     }
 }

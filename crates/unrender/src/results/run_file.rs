@@ -7,14 +7,15 @@ use crate::lighting::EnvironmentChoice;
 use crate::project::CameraTable;
 use crate::recovered::labels;
 use crate::run::{
-    CandidateEntry, GroupIterationEntry, Input, IterationEntry, LeftOut, PhotographRun, Pictures,
-    Program, RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, VERSION,
+    CandidateEntry, DecisionEntry, GroupIterationEntry, Input, IterationEntry, LeftOut,
+    PhotographRun, Pictures, Program, RegistrationEntry, Run, RunGroup, SettingsEntry, Stages,
+    VERSION,
 };
 use indexmap::IndexMap;
 use serde_json::json;
 use unrender_formats::materials::MaterialsFile;
 use unrender_recover::record::CandidateRecord;
-use unrender_recover::{GroupIteration, GroupResult, IterationRecord, LadderKind, Options, Status};
+use unrender_recover::{Decision, GroupIteration, GroupResult, IterationRecord, Status};
 use unrender_scene::Warnings;
 
 /// The run; `materials` has the contents of materials.json, `pictures` and `balls` name files
@@ -46,6 +47,7 @@ pub(super) fn build(
             map_color: super::hex(super::group_picture::color(index)),
             ball: balls[index].clone(),
             selection_log: result.selection_log.iter().map(candidate).collect(),
+            decisions: result.decisions.iter().map(decision).collect(),
         };
         (result.name.clone(), group)
     });
@@ -58,7 +60,7 @@ pub(super) fn build(
         },
         command: std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect(),
         input: input(job),
-        settings: settings(job, &recovered.options),
+        settings: settings(job, recovered),
         seconds: recovered.times.all,
         stages: stages(recovered),
         peak_memory_bytes: memory::peak_bytes(),
@@ -118,7 +120,8 @@ fn input(job: &Job) -> Input {
     }
 }
 
-fn settings(job: &Job, options: &Options) -> SettingsEntry {
+fn settings(job: &Job, recovered: &Recovered) -> SettingsEntry {
+    let Recovered { options, paper, .. } = recovered;
     let thresholds = &options.thresholds;
     let mut named: IndexMap<String, f64> = [
         ("explained", Some(thresholds.explained)),
@@ -129,16 +132,15 @@ fn settings(job: &Job, options: &Options) -> SettingsEntry {
     .into_iter()
     .filter_map(|(name, value)| Some((name.to_owned(), value.filter(|v| v.is_finite())?)))
     .collect();
-    let paper = options.ladder == LadderKind::Paper;
-    if paper {
-        let rungs = unrender_recover::Hypothesis::ALL.iter().zip(thresholds.paper);
+    if let Some(paper) = paper {
+        let rungs = unrender_recover::Hypothesis::ALL.iter().zip(paper.thresholds);
         named.extend(rungs.map(|(rung, value)| (rung.name().to_owned(), value)));
     }
     SettingsEntry {
         brdf: job.scene.brdf.name().to_owned(),
-        ladder: if paper { "paper" } else { "default" }.to_owned(),
+        ladder: if paper.is_some() { "paper" } else { "default" }.to_owned(),
         effort: options.effort.name().to_owned(),
-        refine: options.refine && !paper,
+        refine: options.refine && paper.is_none(),
         seed: options.seed,
         spp: options.spp,
         max_bounces: options.max_bounces,
@@ -216,6 +218,22 @@ fn group_iteration(iteration: &GroupIteration) -> GroupIterationEntry {
         alpha_x: material.alpha_x,
         alpha_y: material.alpha_y,
         theta_deg: material.theta_rad.to_degrees(),
+    }
+}
+
+fn decision(decision: &Decision) -> DecisionEntry {
+    let finite = |value: f64| Some(value).filter(|value| value.is_finite());
+    DecisionEntry {
+        iteration: decision.iteration,
+        from: decision.from,
+        to: decision.to,
+        rule: decision.rule.name().to_owned(),
+        difference: finite(decision.difference),
+        deviation: finite(decision.deviation),
+        price: finite(decision.price),
+        paths: decision.paths,
+        accepted: decision.accepted,
+        made: decision.is_made(),
     }
 }
 

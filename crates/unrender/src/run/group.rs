@@ -31,6 +31,34 @@ pub struct RunGroup {
     /// The candidates, in the order in which they were tried.
     #[serde(alias = "story")]
     pub selection_log: Vec<CandidateEntry>,
+    /// What was said of the changes of its hypothesis that were considered, in their order.
+    #[serde(default)]
+    pub decisions: Vec<DecisionEntry>,
+}
+
+/// What a rule said of a change of a group's hypothesis.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DecisionEntry {
+    /// In which iteration.
+    pub iteration: usize,
+    /// The present hypothesis.
+    pub from: Hypothesis,
+    /// The other one.
+    pub to: Hypothesis,
+    /// The name of the [`unrender_recover::Rule`].
+    pub rule: String,
+    /// The squared residuals under `to` minus those under `from`, in units of their covariance.
+    pub difference: Option<f64>,
+    /// The standard deviation of the difference.
+    pub deviation: Option<f64>,
+    /// By how much the difference has to be below zero.
+    pub price: Option<f64>,
+    /// Paths a pixel, in each of two renderings.
+    pub paths: u32,
+    /// Whether the rule accepts the change.
+    pub accepted: bool,
+    /// Whether the change was made by that.
+    pub made: bool,
 }
 
 /// One rung tried on one group.

@@ -10,7 +10,7 @@ mod iteration;
 mod pictures;
 
 pub(crate) use camera::{recovered_camera, recovered_environment, recovered_size};
-pub use group::{CandidateEntry, LeftOut, RunGroup};
+pub use group::{CandidateEntry, DecisionEntry, LeftOut, RunGroup};
 pub use iteration::{GroupIterationEntry, IterationEntry};
 pub use pictures::{ErrorPicture, PhotographRun, Pictures, Stop, Unit};
 

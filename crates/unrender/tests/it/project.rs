@@ -29,7 +29,7 @@ fn a_full_project_is_understood() {
     assert_eq!((project.black_level, project.vignetting), (Rgb::ZERO, None));
     assert_eq!(project.exposure, Exposure::Fixed(Rgb::new(1.0, 2.0, 0.5)));
     assert_eq!(project.brdf, Some(WardModel::Ward1992.into()));
-    assert_eq!(project.thresholds.paper[4], 0.02);
+    assert_eq!(project.paper_thresholds[4], 0.02);
     let model = WardModel::Ward1992.into();
     assert_eq!(project.known["ceil"].material(model), Ok(Material::diffuse(Rgb::ONE)));
     let floor = &project.known["floor"];

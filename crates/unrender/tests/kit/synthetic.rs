@@ -7,8 +7,9 @@ use unrender::formats::materials::{
 };
 use unrender::formats::picture;
 use unrender::run::{
-    CandidateEntry, ErrorPicture, GroupIterationEntry, Input, IterationEntry, LeftOut, Pictures,
-    Program, RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, Stop, Unit, VERSION,
+    CandidateEntry, DecisionEntry, ErrorPicture, GroupIterationEntry, Input, IterationEntry,
+    LeftOut, Pictures, Program, RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, Stop,
+    Unit, VERSION,
 };
 use unrender::scene::{Hypothesis, Image, Rgb};
 
@@ -160,10 +161,23 @@ fn group(index: usize, name: &str) -> RunGroup {
             theta_deg: 0.0,
             accepted: *other == hypothesis,
         });
+    let decision = DecisionEntry {
+        iteration: 3,
+        from: Hypothesis::Diffuse,
+        to: hypothesis,
+        rule: ["picture", "other groups", "branch", "simpler", "own pixels"][index % 5].into(),
+        difference: Some(-120.5),
+        deviation: Some(14.0),
+        price: Some(21.0),
+        paths: 48,
+        accepted: index > 0,
+        made: index > 0,
+    };
     let selection_log = if index == 0 { Vec::new() } else { selection_log.collect() };
     RunGroup {
         entry,
         selection_log,
+        decisions: vec![decision],
         asked: true,
         parts: if index == 4 { vec![vec!["a".into()], vec!["b".into()]] } else { Vec::new() },
         agrees_with: if index == 2 { vec![FAILED.to_owned()] } else { Vec::new() },

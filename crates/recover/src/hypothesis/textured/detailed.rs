@@ -2,7 +2,8 @@
 //! between the squares, since it changes slowly; the detail is the photograph's.
 
 use super::{Lit, TexelSample};
-use crate::evidence::{Evidence, Stage};
+use crate::evidence::Evidence;
+use crate::observe::sample::Stage;
 use unrender_render::{GeometryBuffers, NOTHING};
 use unrender_scene::RgbImage;
 
@@ -38,7 +39,7 @@ pub(super) fn samples(
         for (index, here) in geometry.pixels().iter().enumerate() {
             let (x, y) = (index % geometry.width(), first * side + index / geometry.width());
             let square = y / side * squares.width() + x / side;
-            let Some(seen) = evidence.pixels.get(place[square] as usize) else { continue };
+            let Some(seen) = evidence.sample.pixels.get(place[square] as usize) else { continue };
             if here.object == NOTHING || here.group as usize != group {
                 continue;
             }

@@ -1,7 +1,7 @@
 //! A parameter of the camera, relative to its value when the photograph was developed; all channels share it.
 
 use super::{At, Linear, ParameterKind, Prior, Range, Start};
-use crate::state::State;
+use crate::guess::Guess;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
 
@@ -21,25 +21,25 @@ impl ParameterKind for Camera {
         true
     }
 
-    fn prior(&self, state: &State<'_>, u: &Unknown) -> Prior {
-        let parameter = &state.problem.photometric_parameters[u.of];
+    fn prior(&self, guess: &Guess<'_>, u: &Unknown) -> Prior {
+        let parameter = &guess.problem.photometric_parameters[u.of];
         Prior { mean: Some(parameter.prior_mean), deviation: parameter.deviation }
     }
 
-    fn precise_enough(&self, _: &State<'_>, _: &Unknown) -> f64 {
+    fn precise_enough(&self, _: &Guess<'_>, _: &Unknown) -> f64 {
         PRECISE
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
-        at.state.photometric.steps[u.of]
+        at.guess.photometric.steps[u.of]
     }
 
-    fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
-        state.photometric.steps[u.of] = value;
+    fn set(&self, guess: &mut Guess<'_>, _: &Start, u: &Unknown, value: f64) {
+        guess.photometric.steps[u.of] = value;
     }
 
-    fn range(&self, state: &State<'_>, u: &Unknown, _: f64) -> Range {
-        let reach = state.problem.photometric_parameters[u.of].reach;
+    fn range(&self, guess: &Guess<'_>, u: &Unknown, _: f64) -> Range {
+        let reach = guess.problem.photometric_parameters[u.of].reach;
         Range { low: -reach, high: reach, step: f64::INFINITY }
     }
 
@@ -50,7 +50,7 @@ impl ParameterKind for Camera {
 
     /// It uses the rendered radiance, not the photograph's, whose noise is also in the residuals.
     fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64 {
-        if at.state.problem.photometric_parameters[u.of].photograph != linear.photograph {
+        if at.guess.problem.photometric_parameters[u.of].photograph != linear.photograph {
             return 0.0;
         }
         let by_cache = linear.derivative * f64::from(at.start.relative[u.of][linear.channel]);

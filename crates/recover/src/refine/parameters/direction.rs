@@ -1,7 +1,7 @@
 //! The anisotropy direction of a group, radians; all channels share it.
 
 use super::{At, Linear, ParameterKind, Prior, Range, Start};
-use crate::state::State;
+use crate::guess::Guess;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
 
@@ -23,23 +23,23 @@ impl ParameterKind for Direction {
         "theta"
     }
 
-    fn prior(&self, _: &State<'_>, _: &Unknown) -> Prior {
+    fn prior(&self, _: &Guess<'_>, _: &Unknown) -> Prior {
         Prior { mean: None, deviation: DEVIATION }
     }
 
-    fn precise_enough(&self, _: &State<'_>, _: &Unknown) -> f64 {
+    fn precise_enough(&self, _: &Guess<'_>, _: &Unknown) -> f64 {
         PRECISE
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
-        f64::from(at.state.materials[u.of].theta_rad)
+        f64::from(at.guess.materials[u.of].theta_rad)
     }
 
-    fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
-        state.materials[u.of].theta_rad = value as f32;
+    fn set(&self, guess: &mut Guess<'_>, _: &Start, u: &Unknown, value: f64) {
+        guess.materials[u.of].theta_rad = value as f32;
     }
 
-    fn range(&self, _: &State<'_>, _: &Unknown, _: f64) -> Range {
+    fn range(&self, _: &Guess<'_>, _: &Unknown, _: f64) -> Range {
         Range { low: f64::NEG_INFINITY, high: f64::INFINITY, step: STEP }
     }
 

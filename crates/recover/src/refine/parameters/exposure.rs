@@ -2,7 +2,7 @@
 
 use super::light::{DEVIATION, PRECISE, STEP};
 use super::{At, Linear, ParameterKind, Prior, Range, Start};
-use crate::state::State;
+use crate::guess::Guess;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
 
@@ -18,25 +18,25 @@ impl ParameterKind for Exposure {
         true
     }
 
-    fn prior(&self, _: &State<'_>, _: &Unknown) -> Prior {
+    fn prior(&self, _: &Guess<'_>, _: &Unknown) -> Prior {
         Prior { mean: None, deviation: DEVIATION }
     }
 
-    fn precise_enough(&self, _: &State<'_>, _: &Unknown) -> f64 {
+    fn precise_enough(&self, _: &Guess<'_>, _: &Unknown) -> f64 {
         PRECISE
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
         let channel = u.channel.unwrap_or(0);
-        f64::from(at.state.exposure[channel] / at.start.exposure[channel])
+        f64::from(at.guess.exposure[channel] / at.start.exposure[channel])
     }
 
-    fn set(&self, state: &mut State<'_>, start: &Start, u: &Unknown, value: f64) {
+    fn set(&self, guess: &mut Guess<'_>, start: &Start, u: &Unknown, value: f64) {
         let channel = u.channel.unwrap_or(0);
-        state.exposure[channel] = value as f32 * start.exposure[channel];
+        guess.exposure[channel] = value as f32 * start.exposure[channel];
     }
 
-    fn range(&self, _: &State<'_>, _: &Unknown, value: f64) -> Range {
+    fn range(&self, _: &Guess<'_>, _: &Unknown, value: f64) -> Range {
         Range { low: 0.0, high: f64::INFINITY, step: STEP * value }
     }
 

@@ -2,7 +2,7 @@
 //! for a source whose colour is known.
 
 use super::{At, Linear, ParameterKind, Prior, Range, Start};
-use crate::state::State;
+use crate::guess::Guess;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
 
@@ -28,26 +28,26 @@ impl ParameterKind for Light {
         true
     }
 
-    fn prior(&self, _: &State<'_>, _: &Unknown) -> Prior {
+    fn prior(&self, _: &Guess<'_>, _: &Unknown) -> Prior {
         Prior { mean: None, deviation: DEVIATION }
     }
 
-    fn precise_enough(&self, _: &State<'_>, _: &Unknown) -> f64 {
+    fn precise_enough(&self, _: &Guess<'_>, _: &Unknown) -> f64 {
         PRECISE
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
-        f64::from(at.state.appearance().light(u.of as u32)[u.channel.unwrap_or(0)])
+        f64::from(at.guess.appearance().light(u.of as u32)[u.channel.unwrap_or(0)])
     }
 
-    fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
+    fn set(&self, guess: &mut Guess<'_>, _: &Start, u: &Unknown, value: f64) {
         match u.channel {
-            Some(channel) => state.set_light(u.of, channel, value as f32),
-            None => (0..3).for_each(|channel| state.set_light(u.of, channel, value as f32)),
+            Some(channel) => guess.set_light(u.of, channel, value as f32),
+            None => (0..3).for_each(|channel| guess.set_light(u.of, channel, value as f32)),
         }
     }
 
-    fn range(&self, _: &State<'_>, _: &Unknown, value: f64) -> Range {
+    fn range(&self, _: &Guess<'_>, _: &Unknown, value: f64) -> Range {
         Range { low: 0.0, high: f64::INFINITY, step: STEP * value }
     }
 

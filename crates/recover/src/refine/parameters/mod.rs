@@ -12,8 +12,8 @@ mod light;
 mod reflectance;
 mod roughness;
 
-use crate::photometric::PhotometricParameter;
-use crate::state::State;
+use crate::guess::Guess;
+use crate::observe::photometric::PhotometricParameter;
 use crate::unknown::{Quantity, Unknown};
 use unrender_render::Parameter;
 use unrender_scene::Rgb;
@@ -51,7 +51,7 @@ pub(super) struct Linear<'a> {
 /// Where the refinement stands, and where it started.
 #[derive(Clone, Copy)]
 pub(super) struct At<'a> {
-    pub(super) state: &'a State<'a>,
+    pub(super) guess: &'a Guess<'a>,
     pub(super) start: &'a Start,
 }
 
@@ -64,10 +64,10 @@ pub(super) struct Start {
 }
 
 impl Start {
-    pub(super) fn of(state: &State<'_>) -> Self {
-        let relative = |c: &PhotometricParameter| c.relative(&state.observation);
-        let relative = state.problem.photometric_parameters.iter().map(relative).collect();
-        Self { exposure: state.exposure, relative }
+    pub(super) fn of(guess: &Guess<'_>) -> Self {
+        let relative = |c: &PhotometricParameter| c.relative(&guess.observation);
+        let relative = guess.problem.photometric_parameters.iter().map(relative).collect();
+        Self { exposure: guess.exposure, relative }
     }
 }
 
@@ -86,10 +86,10 @@ pub(super) trait ParameterKind: Sync {
         None
     }
 
-    fn prior(&self, state: &State<'_>, u: &Unknown) -> Prior;
+    fn prior(&self, guess: &Guess<'_>, u: &Unknown) -> Prior;
 
     /// The standard deviation that is small enough.
-    fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64;
+    fn precise_enough(&self, guess: &Guess<'_>, u: &Unknown) -> f64;
 
     /// The standard deviation of its difference from the `value` of another group that it is like `within` a share;
     /// none if such numbers may differ between like materials.
@@ -101,10 +101,10 @@ pub(super) trait ParameterKind: Sync {
     fn value(&self, at: At<'_>, u: &Unknown) -> f64;
 
     /// Gives it another value.
-    fn set(&self, state: &mut State<'_>, start: &Start, u: &Unknown, value: f64);
+    fn set(&self, guess: &mut Guess<'_>, start: &Start, u: &Unknown, value: f64);
 
     /// The bounds; `value` is where it stands.
-    fn range(&self, state: &State<'_>, u: &Unknown, value: f64) -> Range;
+    fn range(&self, guess: &Guess<'_>, u: &Unknown, value: f64) -> Range;
 
     /// The renderer's parameters whose derivatives add up to its own; one is named twice.
     fn parameters(&self, of: u32) -> [Parameter; 2];

@@ -1,8 +1,8 @@
 //! The reflectances of a group, a number a channel, between zero and one.
 
 use super::{At, Linear, ParameterKind, Prior, Range, Start};
+use crate::guess::Guess;
 use crate::hypothesis::{Hypothesis, textured};
-use crate::state::State;
 use crate::unknown::{Quantity, Unknown};
 use unrender_render::Parameter;
 
@@ -47,12 +47,12 @@ fn likeness(value: f64, within: f64) -> Option<f64> {
     Some(within * value.max(DARK))
 }
 
-fn is_out_of_sight(state: &State<'_>, group: usize) -> bool {
-    state.observation.pixels_of_group[group].is_empty()
+fn is_out_of_sight(guess: &Guess<'_>, group: usize) -> bool {
+    guess.observation.pixels_of_group[group].is_empty()
 }
 
-fn precise_enough(state: &State<'_>, group: usize) -> f64 {
-    if is_out_of_sight(state, group) { PRECISE_UNSEEN } else { PRECISE }
+fn precise_enough(guess: &Guess<'_>, group: usize) -> f64 {
+    if is_out_of_sight(guess, group) { PRECISE_UNSEEN } else { PRECISE }
 }
 
 /// The channel of an unknown that has one.
@@ -69,8 +69,8 @@ impl ParameterKind for Diffuse {
         Some(Quantity::RhoS)
     }
 
-    fn prior(&self, state: &State<'_>, u: &Unknown) -> Prior {
-        let of_group = &state.groups[u.of];
+    fn prior(&self, guess: &Guess<'_>, u: &Unknown) -> Prior {
+        let of_group = &guess.groups[u.of];
         let deviation = if of_group.hypothesis == Hypothesis::Textured {
             let seen = of_group.seen_texels.as_ref();
             TEXTURE + UNSEEN * f64::from(seen.map_or(0.0, textured::unseen_share))
@@ -78,13 +78,13 @@ impl ParameterKind for Diffuse {
             DEVIATION
         };
         // The ladder has no answer for groups out of sight.
-        let expected = &state.problem.groups[u.of].expected;
+        let expected = &guess.problem.groups[u.of].expected;
         let start = expected.start.rho_d.map_or(MIDDLE, |start| f64::from(start[channel(u)]));
-        Prior { mean: is_out_of_sight(state, u.of).then_some(start), deviation }
+        Prior { mean: is_out_of_sight(guess, u.of).then_some(start), deviation }
     }
 
-    fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64 {
-        precise_enough(state, u.of)
+    fn precise_enough(&self, guess: &Guess<'_>, u: &Unknown) -> f64 {
+        precise_enough(guess, u.of)
     }
 
     fn likeness(&self, value: f64, within: f64) -> Option<f64> {
@@ -92,19 +92,19 @@ impl ParameterKind for Diffuse {
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
-        f64::from(at.state.materials[u.of].rho_d[channel(u)])
+        f64::from(at.guess.materials[u.of].rho_d[channel(u)])
     }
 
-    fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
-        let material = &mut state.materials[u.of];
-        match &state.groups[u.of].seen_texels {
+    fn set(&self, guess: &mut Guess<'_>, _: &Start, u: &Unknown, value: f64) {
+        let material = &mut guess.materials[u.of];
+        match &guess.groups[u.of].seen_texels {
             Some(seen) => textured::set_mean(material, seen, channel(u), value as f32),
             None => material.rho_d[channel(u)] = value as f32,
         }
     }
 
-    fn range(&self, state: &State<'_>, u: &Unknown, _: f64) -> Range {
-        let [low, high] = state.problem.groups[u.of].expected.bounds.rho_d;
+    fn range(&self, guess: &Guess<'_>, u: &Unknown, _: f64) -> Range {
+        let [low, high] = guess.problem.groups[u.of].expected.bounds.rho_d;
         let [low, high] = [low, high].map(|bound| f64::from(bound[channel(u)]));
         Range { low, high, step: STEP }
     }
@@ -114,7 +114,7 @@ impl ParameterKind for Diffuse {
     }
 
     fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64 {
-        if at.state.materials[u.of].texture.is_none() {
+        if at.guess.materials[u.of].texture.is_none() {
             return linear.derivative;
         }
         // The renderer's derivative is by a factor on the texture.
@@ -127,12 +127,12 @@ impl ParameterKind for Specular {
         "rho_s"
     }
 
-    fn prior(&self, _: &State<'_>, _: &Unknown) -> Prior {
+    fn prior(&self, _: &Guess<'_>, _: &Unknown) -> Prior {
         Prior { mean: None, deviation: DEVIATION }
     }
 
-    fn precise_enough(&self, state: &State<'_>, u: &Unknown) -> f64 {
-        precise_enough(state, u.of)
+    fn precise_enough(&self, guess: &Guess<'_>, u: &Unknown) -> f64 {
+        precise_enough(guess, u.of)
     }
 
     fn likeness(&self, value: f64, within: f64) -> Option<f64> {
@@ -140,18 +140,18 @@ impl ParameterKind for Specular {
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
-        f64::from(at.state.materials[u.of].rho_s[channel(u)])
+        f64::from(at.guess.materials[u.of].rho_s[channel(u)])
     }
 
-    fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
-        state.materials[u.of].rho_s[channel(u)] = value as f32;
+    fn set(&self, guess: &mut Guess<'_>, _: &Start, u: &Unknown, value: f64) {
+        guess.materials[u.of].rho_s[channel(u)] = value as f32;
     }
 
-    fn range(&self, state: &State<'_>, u: &Unknown, _: f64) -> Range {
-        let material = &state.materials[u.of];
+    fn range(&self, guess: &Guess<'_>, u: &Unknown, _: f64) -> Range {
+        let material = &guess.materials[u.of];
         let brightest = f64::from(material.rho_s.max_element());
         let of_lobe = (STEP_LOBE * brightest).clamp(STEP_LOBE_MIN, STEP);
-        let [low, high] = state.problem.groups[u.of].expected.bounds.rho_s;
+        let [low, high] = guess.problem.groups[u.of].expected.bounds.rho_s;
         let [low, high] = [low, high].map(|bound| f64::from(bound[channel(u)]));
         Range { low, high, step: if material.is_glossy() { of_lobe } else { STEP } }
     }

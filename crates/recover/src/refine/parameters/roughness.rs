@@ -1,7 +1,7 @@
 //! A roughness of a group, searched by its logarithm, which keeps it positive; all channels share it.
 
 use super::{At, Linear, ParameterKind, Prior, Range, Start};
-use crate::state::State;
+use crate::guess::Guess;
 use crate::unknown::Unknown;
 use unrender_render::Parameter;
 
@@ -28,8 +28,8 @@ const STEP: f64 = 0.4;
 const PRECISE: f64 = 4e-3;
 
 impl Roughness {
-    fn bounds(&self, state: &State<'_>, u: &Unknown) -> [f32; 2] {
-        let bounds = &state.problem.groups[u.of].expected.bounds;
+    fn bounds(&self, guess: &Guess<'_>, u: &Unknown) -> [f32; 2] {
+        let bounds = &guess.problem.groups[u.of].expected.bounds;
         match self.0 {
             Along::Both => bounds.round(),
             Along::X => bounds.along(),
@@ -47,11 +47,11 @@ impl ParameterKind for Roughness {
         }
     }
 
-    fn prior(&self, _: &State<'_>, _: &Unknown) -> Prior {
+    fn prior(&self, _: &Guess<'_>, _: &Unknown) -> Prior {
         Prior { mean: None, deviation: DEVIATION }
     }
 
-    fn precise_enough(&self, _: &State<'_>, _: &Unknown) -> f64 {
+    fn precise_enough(&self, _: &Guess<'_>, _: &Unknown) -> f64 {
         PRECISE
     }
 
@@ -61,13 +61,13 @@ impl ParameterKind for Roughness {
     }
 
     fn value(&self, at: At<'_>, u: &Unknown) -> f64 {
-        let material = &at.state.materials[u.of];
+        let material = &at.guess.materials[u.of];
         f64::from(if self.0 == Along::Y { material.alpha_y } else { material.alpha_x }.ln())
     }
 
-    fn set(&self, state: &mut State<'_>, _: &Start, u: &Unknown, value: f64) {
-        let [low, high] = self.bounds(state, u);
-        let material = &mut state.materials[u.of];
+    fn set(&self, guess: &mut Guess<'_>, _: &Start, u: &Unknown, value: f64) {
+        let [low, high] = self.bounds(guess, u);
+        let material = &mut guess.materials[u.of];
         // The exponential of a bound's logarithm is not the bound to the bit.
         let alpha = (value as f32).exp().clamp(low, high.max(low));
         if self.0 != Along::Y {
@@ -78,8 +78,8 @@ impl ParameterKind for Roughness {
         }
     }
 
-    fn range(&self, state: &State<'_>, u: &Unknown, _: f64) -> Range {
-        let [low, high] = self.bounds(state, u).map(|alpha| f64::from(alpha).ln());
+    fn range(&self, guess: &Guess<'_>, u: &Unknown, _: f64) -> Range {
+        let [low, high] = self.bounds(guess, u).map(|alpha| f64::from(alpha).ln());
         Range { low, high, step: STEP }
     }
 
@@ -93,7 +93,7 @@ impl ParameterKind for Roughness {
 
     /// `dL / d ln alpha = alpha dL / d alpha`.
     fn derivative(&self, at: At<'_>, u: &Unknown, linear: &Linear<'_>) -> f64 {
-        let material = &at.state.materials[u.of];
+        let material = &at.guess.materials[u.of];
         let alpha = if self.0 == Along::Y { material.alpha_y } else { material.alpha_x };
         linear.derivative * f64::from(alpha)
     }
