@@ -32,6 +32,7 @@ const BRANCHES: usize = 3;
 /// comparison. In drafts of four scenes the right one was the first or the second; half and double of it were not
 /// tried.
 const LACKING: usize = 2;
+
 /// Recovers everything, the default way.
 pub(crate) fn drive<'a>(
     guess: Guess<'a>,
