@@ -25,8 +25,8 @@ use crate::problem::{Options, Role};
 use crate::sample_budget::{self, Level};
 use crate::streams::Stream;
 use serde::{Deserialize, Serialize};
+use unrender_render::Settings;
 use unrender_render::sampler::mix;
-use unrender_render::{Appearance, Settings};
 use unrender_scene::Rgb;
 
 /// Pixels of a group that are rendered again, and paths a pixel in each of two halves. At half of
@@ -186,7 +186,7 @@ impl Verifier {
     /// How well `guess` explains the photograph, by the paths of `settings`.
     fn score(&self, guess: &Guess<'_>, settings: &Settings) -> Score {
         let all: Vec<u32> = self.groups.iter().flat_map(|of| of.sample.numbers()).collect();
-        let halves = self.render(guess.appearance(), guess, &all, settings);
+        let halves = render(guess, &all, settings);
         let mut start = 0;
         let of_group = |of: &GroupSample| {
             let range = start..start + of.sample.pixels.len();
@@ -197,21 +197,6 @@ impl Verifier {
             of.score(guess, allowance(floor), halves)
         };
         Score { groups: self.groups.iter().map(of_group).collect() }
-    }
-
-    /// `pixels` with `appearance`, twice.
-    fn render(
-        &self,
-        appearance: Appearance<'_>,
-        guess: &Guess<'_>,
-        pixels: &[u32],
-        settings: &Settings,
-    ) -> [Vec<Rgb>; 2] {
-        [0u64, 1].map(|half| {
-            let seed = mix(settings.seed).wrapping_add(half);
-            let settings = Settings { seed, ..*settings };
-            guess.problem.renderer.rerender(appearance, pixels, &settings)
-        })
     }
 
     /// The groups whose light differs between the scores `mine` and `other` by more than the `share` of
@@ -252,15 +237,13 @@ impl Verifier {
             return Measured { holds: true, ..Measured::default() };
         };
         let rendered = || {
-            let mut materials = guess.materials.clone();
-            [guess, before].map(|guess| {
-                materials[group].clone_from(&guess.materials[group]);
-                let appearance = Appearance { materials: &materials, lights: &guess.lights };
-                let settings = Settings { spp: self.own_spp, ..self.settings };
-                let halves = self.render(appearance, guess, &of.sample.numbers(), &settings);
-                let least = least.unwrap_or_else(|| allowance(OWN_FLOOR));
-                of.score(guess, least, halves)
-            })
+            let mut other = guess.clone();
+            other.materials[group].clone_from(&before.materials[group]);
+            other.observation.clone_from(&before.observation);
+            let settings = Settings { spp: self.own_spp, ..self.settings };
+            let least = least.unwrap_or_else(|| allowance(OWN_FLOOR));
+            let numbers = of.sample.numbers();
+            [guess, &other].map(|guess| of.score(guess, least, render(guess, &numbers, &settings)))
         };
         let [mine, other] = &guess.steps.value("own verification", rendered);
         let is_textured = guess.groups[group].hypothesis == Hypothesis::Textured;
@@ -305,6 +288,14 @@ impl Verifier {
         ratios.sort_by(f64::total_cmp);
         ratios.get(ratios.len() / 2).map_or(1.0, |usual| usual.max(1.0))
     }
+}
+
+/// `pixels` under `guess`, twice.
+fn render(guess: &Guess<'_>, pixels: &[u32], settings: &Settings) -> [Vec<Rgb>; 2] {
+    [0u64, 1].map(|half| {
+        let settings = Settings { seed: mix(settings.seed).wrapping_add(half), ..*settings };
+        guess.problem.renderer.rerender(guess.appearance(), pixels, &settings)
+    })
 }
 
 impl GroupSample {

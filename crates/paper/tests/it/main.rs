@@ -10,25 +10,6 @@ use unrender_recover::{
 };
 use unrender_scene::{Material, Rgb};
 
-/// One material for each of the six rungs without a texture, in the ladder's order.
-fn one_of_each() -> [Material; 6] {
-    let brushed = Material {
-        rho_s: Rgb::new(0.5, 0.6, 0.4),
-        alpha_x: 0.08,
-        alpha_y: 0.2,
-        theta_rad: 30f32.to_radians(),
-        ..Material::diffuse(Rgb::new(0.1, 0.2, 0.05))
-    };
-    [
-        Material::diffuse(Rgb::new(0.2, 0.5, 0.8)),
-        Material::mirror(Rgb::ONE),
-        Material::mirror(Rgb::new(0.4, 0.6, 0.5)),
-        Material { rho_d: Rgb::new(0.3, 0.1, 0.2), ..Material::mirror(Rgb::splat(0.25)) },
-        Material::isotropic(Rgb::new(0.3, 0.12, 0.4), Rgb::splat(0.2), 0.12),
-        brushed,
-    ]
-}
-
 /// What the method finds of the stripes, and of a group that no pixel shows.
 fn recovered(renderer: &Stripes) -> Result<Recovery, RecoverError> {
     found(renderer, renderer.photograph())
@@ -67,7 +48,7 @@ fn where_no_light_arrives_an_error_names_what_is_dark() {
 
 #[test]
 fn the_papers_ladder_finds_the_rungs_that_it_can_tell_apart() {
-    let renderer = Stripes::new(one_of_each()[..4].to_vec());
+    let renderer = Stripes::new(stripes::uniform()[..4].to_vec());
     let recovery = recovered(&renderer).unwrap();
     for group in [0, 1, 2, 3] {
         let result = &recovery.groups[group];
@@ -79,7 +60,7 @@ fn the_papers_ladder_finds_the_rungs_that_it_can_tell_apart() {
 
 #[test]
 fn the_papers_ladder_finds_a_lobe_and_the_brushed_direction_by_re_rendering() {
-    let renderer = Stripes::new(one_of_each()[..6].to_vec());
+    let renderer = Stripes::new(stripes::uniform().to_vec());
     let recovery = recovered(&renderer).unwrap();
     for group in 0..6 {
         let (result, truth) = (&recovery.groups[group], &renderer.truth[group]);

@@ -185,6 +185,12 @@ impl Difference {
     pub(crate) fn most(self) -> f64 {
         self.value + CERTAIN * self.deviation
     }
+
+    /// The same for the record, of a change that `holds` or does not.
+    pub(crate) fn measured(self, holds: bool) -> Measured {
+        let Self { value, deviation, price } = self;
+        Measured { holds, difference: value - price, deviation, price, paths: 0 }
+    }
 }
 
 /// The squared residuals of the first less those of the second, in units of their covariance, of which so many blocks are
@@ -207,14 +213,6 @@ pub(crate) fn independent_blocks(of: Explained<'_>, evidence: &Evidence) -> f64 
     let residuals =
         ResidualCovariance::of(of.residuals, &evidence.sample.field, of.likelihood).standardised();
     evidence.sample.blocks.len() as f64 * independent_share(&evidence.sample.blocks, &residuals)
-}
-
-impl Difference {
-    /// The same for the record, of a change that `holds` or does not.
-    pub(crate) fn measured(self, holds: bool) -> Measured {
-        let Self { value, deviation, price } = self;
-        Measured { holds, difference: value - price, deviation, price, paths: 0 }
-    }
 }
 
 /// By which numbers a change holds, or does not.

@@ -37,16 +37,12 @@ pub(crate) fn all(guess: &Guess<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
         _ => guess.groups[*group].hypothesis != Hypothesis::Textured,
     };
     let groups = (0..guess.materials.len()).filter(says_something);
-    let mut cells = cells(&guess.stage(), groups, per_group, seed);
-    expose(guess, &mut cells);
-    cells
+    cells(&guess.stage(), groups, per_group, seed)
 }
 
 /// At most `per_group` pixels of `group`.
 pub(super) fn of_group(guess: &Guess<'_>, group: usize, per_group: usize, seed: u64) -> Vec<Cell> {
-    let mut cells = cells(&guess.stage(), std::iter::once(group), per_group, seed);
-    expose(guess, &mut cells);
-    cells
+    cells(&guess.stage(), std::iter::once(group), per_group, seed)
 }
 
 /// Takes the radiances of `cells`, and their noise, by the exposure and the camera's numbers as they stand in

@@ -1,7 +1,7 @@
 //! Stripes that light each other: what one of them is made of shows in the other, too.
 
-use crate::ladder::{close, one_of_each, recovered, says_why, with_problem};
-use crate::stripes::{Facing, Stripes};
+use crate::ladder::{close, recovered, says_why, with_problem};
+use crate::stripes::{self, Facing, Stripes};
 use unrender_recover::{
     Effort, ExposureRule, GroupSpec, Hypothesis, Options, Problem, Rule, recover,
 };
@@ -13,7 +13,7 @@ const SQUARES: Facing = Facing { form_factor: 0.199_825, hidden: None };
 
 #[test]
 fn every_rung_is_found_where_stripes_light_each_other() {
-    let renderer = Stripes { facing: Some(SQUARES), ..Stripes::new(one_of_each()[..6].to_vec()) };
+    let renderer = Stripes { facing: Some(SQUARES), ..Stripes::new(stripes::uniform().to_vec()) };
     let options = Options { effort: Effort::Draft, ..Options::default() };
     let recovery = recovered(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, &options);
     for ((found, truth), hypothesis) in

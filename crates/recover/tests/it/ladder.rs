@@ -1,7 +1,7 @@
 //! The ladder against a renderer in closed form: horizontal stripes of seven materials under a grid
 //! of directional lights, without noise. Every rung must be found, with its numbers.
 
-use crate::stripes::Stripes;
+use crate::stripes::{self, Stripes};
 use glam::Vec2;
 use unrender_recover::{
     Effort, Expected, ExposureRule, GroupResult, GroupSpec, Hypothesis, Like, Observation, Options,
@@ -19,22 +19,7 @@ fn checkers() -> Material {
 
 /// One material a rung, in the ladder's order.
 pub(crate) fn one_of_each() -> Vec<Material> {
-    let brushed = Material {
-        rho_s: Rgb::new(0.5, 0.6, 0.4),
-        alpha_x: 0.08,
-        alpha_y: 0.2,
-        theta_rad: 30f32.to_radians(),
-        ..Material::diffuse(Rgb::new(0.1, 0.2, 0.05))
-    };
-    vec![
-        Material::diffuse(Rgb::new(0.2, 0.5, 0.8)),
-        Material::mirror(Rgb::ONE),
-        Material::mirror(Rgb::new(0.4, 0.6, 0.5)),
-        Material { rho_d: Rgb::new(0.3, 0.1, 0.2), ..Material::mirror(Rgb::splat(0.25)) },
-        Material::isotropic(Rgb::new(0.3, 0.12, 0.4), Rgb::splat(0.2), 0.12),
-        brushed,
-        checkers(),
-    ]
+    stripes::uniform().into_iter().chain([checkers()]).collect()
 }
 
 pub(crate) fn recovered(

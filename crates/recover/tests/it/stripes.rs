@@ -17,6 +17,25 @@ use unrender_scene::{BrdfModel, Image, Material, Rgb, RgbImage};
 const WIDTH: usize = 64;
 const STRIPE: usize = 24;
 
+/// One material for each of the six rungs without a texture, in the ladder's order.
+pub(crate) fn uniform() -> [Material; 6] {
+    let brushed = Material {
+        rho_s: Rgb::new(0.5, 0.6, 0.4),
+        alpha_x: 0.08,
+        alpha_y: 0.2,
+        theta_rad: 30f32.to_radians(),
+        ..Material::diffuse(Rgb::new(0.1, 0.2, 0.05))
+    };
+    [
+        Material::diffuse(Rgb::new(0.2, 0.5, 0.8)),
+        Material::mirror(Rgb::ONE),
+        Material::mirror(Rgb::new(0.4, 0.6, 0.5)),
+        Material { rho_d: Rgb::new(0.3, 0.1, 0.2), ..Material::mirror(Rgb::splat(0.25)) },
+        Material::isotropic(Rgb::new(0.3, 0.12, 0.4), Rgb::splat(0.2), 0.12),
+        brushed,
+    ]
+}
+
 /// Stripes of materials, one group and one object each, seen under directions that change over the
 /// picture.
 pub(crate) struct Stripes {
