@@ -136,7 +136,7 @@ fn print_errors(observation: &Observation, view: &View<'_>, scene: &Scene) {
             let settings = Settings { spp: SAMPLE.1, seed, ..Settings::default() };
             view.rerender((&materials).into(), &sample, &settings)
         });
-        let by_light = evidence.radiance(&floor);
+        let by_light = evidence.light.radiance(&floor);
         let cells = [by_paths, by_light].map(|halves| {
             let ResidualStats { with_noise, deviation, .. } = residual_stats(&observed, &halves);
             let error = 100.0 * with_noise.max(0.0).sqrt();

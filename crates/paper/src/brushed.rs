@@ -29,7 +29,7 @@ const PIXELS_PER_LINE: usize = 5;
 /// nothing. The evidence must hold the mirror's radiance.
 pub fn direction(evidence: &Evidence, geometry: &GeometryBuffers) -> Option<f32> {
     let points = difference_on_plane(evidence, geometry);
-    let probes: Vec<&Probe> = evidence.sets[0].first().collect();
+    let probes: Vec<&Probe> = evidence.light.sets[0].first().collect();
     let reference = reference_surface(&probes)?;
     let mirrors = |i: &usize| probes[*i].mirrored.is_some_and(|m| m.object == reference);
     let of_reference = (0..points.len()).filter(mirrors).map(|i| points[i].0);
@@ -41,7 +41,7 @@ pub fn direction(evidence: &Evidence, geometry: &GeometryBuffers) -> Option<f32>
 /// The pixels of the difference picture: where each lies in the surface's tangent plane, and the
 /// luminance of photograph minus mirror.
 fn difference_on_plane(evidence: &Evidence, geometry: &GeometryBuffers) -> Vec<(Vec2, f32)> {
-    let mirror = evidence.mirror();
+    let mirror = evidence.light.mirror();
     let one = |(i, probe): (usize, &Probe)| {
         let at = geometry.pixels()[evidence.sample.pixels[i].pixel as usize];
         let front_normal = if at.front { at.normal } else { -at.normal };
@@ -50,7 +50,7 @@ fn difference_on_plane(evidence: &Evidence, geometry: &GeometryBuffers) -> Vec<(
         let position = Vec2::new(probe.point.dot(at.tangent), probe.point.dot(bitangent));
         (position, luminance(evidence.sample.pixels[i].radiance - shown))
     };
-    evidence.sets[0].first().enumerate().map(one).collect()
+    evidence.light.sets[0].first().enumerate().map(one).collect()
 }
 
 /// The mirrored object with the largest `Area(S) / d(S, P)`.
@@ -135,7 +135,7 @@ fn mean_deviation(points: &[(Vec2, f32)], theta: f32, width: f32) -> f32 {
 mod tests {
     use super::*;
     use unrender_recover::Sheet;
-    use unrender_recover::evidence::Gathered;
+    use unrender_recover::evidence::{Gathered, Light};
     use unrender_recover::observe::blocks::{Blocks, Grid};
     use unrender_recover::observe::model_error::{Allowance, LightError, LightField, ModelError};
     use unrender_recover::observe::observation::{Noise, Reading};
@@ -180,13 +180,12 @@ mod tests {
         let set = Gathered::new(BrdfModel::default(), Probes { probes, incident: Vec::new() });
         let light = LightError { share: 0.01 };
         let evidence = Evidence {
-            model: BrdfModel::default(),
             sample: Sample {
                 pixels: all.map(observed).collect(),
                 field: LightField::constant(blocks.len(), light),
                 blocks,
             },
-            sets: [set.clone(), set],
+            light: Light { model: BrdfModel::default(), sets: [set.clone(), set] },
             allowance: Allowance { light, floor: ModelError { share: 0.003 } },
             least_noise: None,
             expected: Default::default(),

@@ -17,6 +17,7 @@
 pub mod brushed;
 pub mod lobe;
 mod mixing;
+mod texture;
 
 use lobe::Lobes;
 use mixing::Mixing;
@@ -24,8 +25,9 @@ use serde::{Deserialize, Serialize};
 use unrender_recover::compare::WORSE;
 use unrender_recover::compare::residual::{ResidualStats, deviation_of_sum, residual_stats};
 use unrender_recover::evidence::{Evidence, SampleBudget};
-use unrender_recover::hypothesis::{self, Hypothesis, Search, textured};
+use unrender_recover::hypothesis::{self, Hypothesis, Search};
 use unrender_recover::observe::blocks::spread;
+use unrender_recover::problem::UNSEEN;
 use unrender_recover::sample_budget;
 use unrender_recover::{
     Journal, Observer, Options, Problem, RecoverError, Recovery, Session, Termination, recover_by,
@@ -109,12 +111,25 @@ pub fn recover(
     recover_by(problem, options, observer, journal, |session| climb(session, (options, paper)))
 }
 
+/// The materials as they are, with the groups that no pixel shows white where nothing else is expected of them.
+fn white_where_unseen(session: &Session<'_, '_, '_>) -> Vec<Material> {
+    let mut materials = session.materials().to_vec();
+    for (group, material) in materials.iter_mut().enumerate() {
+        let is_unseen = session.pixels(group).is_empty();
+        if is_unseen && *material == Material::diffuse(Rgb::splat(UNSEEN)) {
+            *material = Material::diffuse(Rgb::ONE);
+        }
+    }
+    materials
+}
+
 /// Climbs one rung at a time.
 fn climb(
     session: &mut Session<'_, '_, '_>,
     (options, paper): (&Options, &Paper),
 ) -> Result<Termination, RecoverError> {
     let mut rungs = vec![Standing::default(); session.materials().len()];
+    session.set_materials(white_where_unseen(session));
     let mut mixing = Mixing::default();
     for iteration in 1..=paper.max_iterations {
         session.update_exposure(options)?;
@@ -207,7 +222,7 @@ impl PaperIteration<'_> {
             let (pixels, halves) = match &evidence {
                 Some(evidence) => {
                     let pixels = evidence.sample.pixels.iter().map(|p| p.pixel).collect();
-                    (pixels, evidence.radiance(material))
+                    (pixels, evidence.light.radiance(material))
                 }
                 None => self.rerender_sample(session, group),
             };
@@ -351,8 +366,8 @@ impl PaperIteration<'_> {
                 let before = if stays { now.texture.as_deref() } else { None };
                 let ones = vec![Rgb::ONE; pixels.len()];
                 let shown = if stays { rerendered } else { &ones };
-                let found = textured::rebalance(&session.stage(), before, pixels, shown)?;
-                let rho_d = textured::mean(&found);
+                let found = texture::rebalance(&session.stage(), before, pixels, shown)?;
+                let rho_d = unrender_recover::texture::mean(&found);
                 Material { texture: Some(found.texture), ..Material::diffuse(rho_d) }
             }
             // The diffuse-specular rung has nothing to search for.

@@ -62,13 +62,13 @@ impl Lobes {
             .iter()
             .map(|p| (p.weight * p.radiance * p.radiance).element_sum());
         let scale = squared.map(f64::from).sum::<f64>().max(f64::MIN_POSITIVE);
-        Self { diffuse: evidence.diffuse(), evidence, scale }
+        Self { diffuse: evidence.light.diffuse(), evidence, scale }
     }
 
     /// The group with a lobe of the shape `[alpha_x, alpha_y, theta]` and the reflectances that fit best.
     pub fn rerender(&self, shape: [f32; 3]) -> Rerendered {
         let [alpha_x, alpha_y, theta_rad] = self.evidence.expected.bounds.nearest_shape(shape);
-        let specular = self.evidence.lobe(alpha_x, alpha_y, theta_rad);
+        let specular = self.evidence.light.lobe(alpha_x, alpha_y, theta_rad);
         let found = linear::fit(&self.evidence, &self.diffuse, Some(&specular), Terms::Both);
         let diffuse = Material::diffuse(found.rho_d);
         let material = Material { rho_s: found.rho_s, alpha_x, alpha_y, theta_rad, ..diffuse };
@@ -78,7 +78,7 @@ impl Lobes {
     /// The squared difference of photograph and re-rendering at every pixel, weighted, without the rendering noise;
     /// zero where the photograph is clipped.
     pub fn squares(&self, material: &Material) -> Vec<f64> {
-        let [a, b] = self.evidence.radiance(material);
+        let [a, b] = self.evidence.light.radiance(material);
         let square = |(i, pixel): (usize, &Observed)| {
             let square = pixel.weight * (pixel.radiance - a[i]) * (pixel.radiance - b[i]);
             if pixel.reading == Reading::Value { f64::from(square.element_sum()) } else { 0.0 }

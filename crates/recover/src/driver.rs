@@ -96,6 +96,8 @@ impl Driver<'_, '_> {
             present = self.branch(present)?;
             present = self.add_lacking(present)?;
         }
+        self.progress.begin(Phase::Textures);
+        present = self.find_textures(present, level, Depth::Rough)?;
         let open = self.candidates.open(&present.guess, level);
         self.progress.note_open(&present.guess, &open);
         Ok(present)
@@ -135,6 +137,30 @@ impl Driver<'_, '_> {
             }
         }
         Ok(present)
+    }
+
+    /// Gives the groups a texture whose pixels predict each other by one; under its light the others are compared again.
+    fn find_textures<'a>(
+        &mut self,
+        mut present: Verified<'a>,
+        level: Level,
+        depth: Depth,
+    ) -> Result<Verified<'a>, RecoverError> {
+        let proposals = self.candidates.textures(&mut present.guess, level, self.progress);
+        if proposals.is_empty() || self.progress.is_cancelled() {
+            return Ok(present);
+        }
+        let before = present.score.clone();
+        let (present, accepted) = self.try_all(present, proposals, depth);
+        if !accepted {
+            return Ok(present);
+        }
+        let (present, _) = self.refine_once(present, depth);
+        if level == Level::Refined {
+            return Ok(present);
+        }
+        self.candidates.ask_again(&self.changed(&present, &before, level));
+        self.choose(present)
     }
 
     /// Groups that light each other may keep each other wrong: one that stays unexplained gets another kind of
@@ -224,14 +250,6 @@ impl Driver<'_, '_> {
             if let Some(found) = found {
                 (present, accepted) = (found, true);
                 proposals.iter().for_each(|one| one.record(&mut present.guess, true));
-                let guess = &present.guess;
-                let next = proposals.into_iter().filter_map(|one| one.afterwards(guess));
-                let next: Vec<Vec<Proposal>> = next.map(|next| vec![next]).collect();
-                if !next.is_empty() {
-                    // A texture would also fit a lobe's residual: the lobe is refined first.
-                    (present, _) = self.refine_once(present, depth);
-                }
-                waiting.extend(next);
             } else if proposals.len() > 1 {
                 let other = proposals.split_off(proposals.len() / 2);
                 waiting.extend([other, proposals]);
@@ -302,6 +320,7 @@ impl Driver<'_, '_> {
         if self.options.effort.asks_again() {
             self.progress.begin(Phase::Revision);
             present = self.revise(present)?;
+            present = self.find_textures(present, Level::Refined, Depth::Coarse)?;
         }
         self.progress.begin(Phase::LastRefinement);
         let (mut present, termination) = self.refine_once(present, Depth::Fine);
@@ -317,11 +336,14 @@ impl Driver<'_, '_> {
         now.guess.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
 
-    /// Compares the hypotheses of all groups again, and then of those whose light has changed, or whose texture was
-    /// rejected by the former residuals of the other groups.
+    /// Compares the hypotheses of all groups again, and then of those whose light has changed.
     fn revise<'a>(&mut self, mut present: Verified<'a>) -> Result<Verified<'a>, RecoverError> {
+        let is_uniform = |guess: &Guess<'_>, group: &usize| {
+            guess.groups[*group].hypothesis != Hypothesis::Textured
+        };
         let mut groups = present.guess.visible_unknowns();
         for _ in 0..REVISIONS {
+            groups.retain(|group| is_uniform(&present.guess, group));
             present.guess = refine::settle_nuisances(present.guess, self.options)?;
             let before = present.score.clone();
             let proposals = self.ask(&mut present.guess, &groups);
@@ -337,9 +359,6 @@ impl Driver<'_, '_> {
             (present, _) = self.refine_once(present, Depth::Coarse);
             groups = self.changed(&present, &before, Level::Refined);
             groups.retain(|group| !proposed.contains(group));
-            groups.extend(self.candidates.take_refused_textures());
-            groups.sort_unstable();
-            groups.dedup();
         }
         Ok(present)
     }
@@ -384,13 +403,8 @@ impl Driver<'_, '_> {
         let mut proposals = Vec::new();
         for (n, &group) in groups.iter().enumerate() {
             let done = n as f64 / groups.len() as f64;
-            let is_textured = guess.groups[group].hypothesis == Hypothesis::Textured;
             let (level, progress) = (Level::Refined, &mut *self.progress);
-            let proposal = self.candidates.propose(guess, group, level, done, progress);
-            // A texture makes way for a uniform hypothesis alone.
-            let is_other =
-                |other: &Proposal| !is_textured || other.hypothesis != Hypothesis::Textured;
-            proposals.extend(proposal.filter(is_other));
+            proposals.extend(self.candidates.propose(guess, group, level, done, progress));
         }
         proposals
     }

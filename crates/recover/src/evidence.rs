@@ -19,18 +19,25 @@ use unrender_scene::{BrdfModel, LobeAlbedo, Material, Reflectance, Rgb};
 /// What is known of one group in one iteration.
 #[derive(Clone, Debug)]
 pub struct Evidence {
-    /// The lobe.
-    pub model: BrdfModel,
     /// The pixels.
     pub sample: Sample,
-    /// The light at the same pixels, twice.
-    pub sets: [Gathered; 2],
+    /// The light at the same pixels.
+    pub light: Light,
     /// How much model error is always allowed for.
     pub allowance: Allowance,
     /// The least noise of every block for all candidates, where it is known.
     pub least_noise: Option<Vec<Rgb>>,
     /// Bounds and starting values of the group's numbers.
     pub expected: Expected,
+}
+
+/// The light at some pixels of one group, twice with independent noise.
+#[derive(Clone, Debug)]
+pub struct Light {
+    /// The lobe.
+    pub model: BrdfModel,
+    /// Both sets.
+    pub sets: [Gathered; 2],
 }
 
 /// The light at each pixel of the sample, under one seed.
@@ -68,21 +75,13 @@ impl Evidence {
         pixels: &[u32],
         budget: &SampleBudget,
     ) -> Self {
-        let Stage { observation, renderer, seen: known, .. } = *stage;
         let (wanted, grid) =
-            Sample::choose(observation, group, pixels, budget.pixels, budget.pixels_seed);
-        let sets = [0u64, 1].map(|half| {
-            let seed = mix(budget.probe.seed).wrapping_add(half);
-            let settings = ProbeSettings { seed, ..budget.probe.clone() };
-            renderer.probe(&Query { seen: known, ..Query::new(appearance, &wanted, &settings) })
-        });
-        let seen = pixels_of_both(&sets, group as u32);
-        let model = renderer.model();
-        let sets = sets.map(|probes| Gathered::of(model, probes, &seen, group as u32));
+            Sample::choose(stage.observation, group, pixels, budget.pixels, budget.pixels_seed);
+        let (light, seen) = Light::gather(stage, appearance, group, &wanted, &budget.probe);
         let allowance = budget.allowance;
         let sample = Sample::of(stage, group, (&seen, &grid), allowance.light);
         let (least_noise, expected) = (None, Expected::default());
-        Self { model, sample, sets, allowance, least_noise, expected }
+        Self { sample, light, allowance, least_noise, expected }
     }
 
     /// The same for a group of which something is `expected`.
@@ -94,19 +93,62 @@ impl Evidence {
     /// Weights every residual by the inverse of its variance, with `material` as the model whose light says how bright each
     /// pixel is, and `error` the group's model error.
     pub fn reweigh(&mut self, material: &Material, error: ModelError) {
-        let light = self.mean_radiance(material);
+        let light = self.light.mean_radiance(material);
         self.sample.reweigh(&light, error);
+    }
+
+    /// Whether nothing was seen of the group.
+    pub fn is_empty(&self) -> bool {
+        self.sample.pixels.is_empty()
+    }
+
+    /// A third of the pixels of a large sample, for searches whose last steps see all of them.
+    #[must_use]
+    pub fn thinned(&self) -> Self {
+        /// Samples of fewer pixels are kept whole. Half and double of it were not tried.
+        const ENOUGH: usize = 1500;
+        if self.sample.pixels.len() < ENOUGH {
+            return self.clone();
+        }
+        let flags: Vec<bool> = (0..self.sample.pixels.len()).map(|i| i % 3 != 0).collect();
+        self.clone().without(&flags)
+    }
+
+    /// The same without the pixels of the sample that are flagged.
+    #[must_use]
+    pub fn without(mut self, flags: &[bool]) -> Self {
+        self.sample = self.sample.without(flags);
+        self.light.sets.iter_mut().for_each(|set| set.remove(flags));
+        self.least_noise = None;
+        self
+    }
+}
+
+impl Light {
+    /// The light behind those of `pixels` in which both sets meet `group`, under the current `appearance`; and these pixels.
+    pub fn gather(
+        stage: &Stage<'_>,
+        appearance: Appearance<'_>,
+        group: usize,
+        pixels: &[u32],
+        probe: &ProbeSettings,
+    ) -> (Self, Vec<u32>) {
+        let sets = [0u64, 1].map(|half| {
+            let seed = mix(probe.seed).wrapping_add(half);
+            let settings = ProbeSettings { seed, ..probe.clone() };
+            let query = Query { seen: stage.seen, ..Query::new(appearance, pixels, &settings) };
+            stage.renderer.probe(&query)
+        });
+        let seen = pixels_of_both(&sets, group as u32);
+        let model = stage.renderer.model();
+        let sets = sets.map(|probes| Gathered::of(model, probes, &seen, group as u32));
+        (Self { model, sets }, seen)
     }
 
     /// The mean of the two renderings of `material` at every pixel.
     pub fn mean_radiance(&self, material: &Material) -> Vec<Rgb> {
         let [a, b] = self.radiance(material);
         a.iter().zip(&b).map(|(a, b)| 0.5 * (*a + *b)).collect()
-    }
-
-    /// Whether nothing was seen of the group.
-    pub fn is_empty(&self) -> bool {
-        self.sample.pixels.is_empty()
     }
 
     /// The radiance of a white diffuse surface at every pixel, twice.
@@ -158,27 +200,6 @@ impl Evidence {
             radiance.iter_mut().zip(self.specular(material)).for_each(add);
         }
         radiance
-    }
-
-    /// A third of the pixels of a large sample, for searches whose last steps see all of them.
-    #[must_use]
-    pub fn thinned(&self) -> Self {
-        /// Samples of fewer pixels are kept whole. Half and double of it were not tried.
-        const ENOUGH: usize = 1500;
-        if self.sample.pixels.len() < ENOUGH {
-            return self.clone();
-        }
-        let flags: Vec<bool> = (0..self.sample.pixels.len()).map(|i| i % 3 != 0).collect();
-        self.clone().without(&flags)
-    }
-
-    /// The same without the pixels of the sample that are flagged.
-    #[must_use]
-    pub fn without(mut self, flags: &[bool]) -> Self {
-        self.sample = self.sample.without(flags);
-        self.sets.iter_mut().for_each(|set| set.remove(flags));
-        self.least_noise = None;
-        self
     }
 
     fn each(&self, f: impl Fn(&Probe) -> Rgb + Sync) -> [Vec<Rgb>; 2] {

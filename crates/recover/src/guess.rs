@@ -267,7 +267,7 @@ impl<'a> Guess<'a> {
         let mut budget = sample_budget::diffuse(options);
         budget.probe.max_bounces = options.max_bounces;
         let evidence = Evidence::gather(&stage, self.appearance(), group, pixels, &budget);
-        let [a, b] = evidence.diffuse();
+        let [a, b] = evidence.light.diffuse();
         let light: Rgb = 0.5 * (a.iter().sum::<Rgb>() + b.iter().sum::<Rgb>());
         let values: Rgb = evidence.sample.pixels.iter().map(|p| p.radiance).sum();
         let is_seen = values.min_element() > 0.0 && light.min_element() > 0.0;

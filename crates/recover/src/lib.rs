@@ -37,13 +37,13 @@ mod schedule;
 pub mod selection;
 mod session;
 mod streams;
+pub mod texture;
 mod unknown;
 mod verify;
 
 pub use effort::Effort;
 pub use expected::{Expected, Like, ParameterBounds, StartValues};
 pub use hypothesis::Hypothesis;
-pub use hypothesis::textured::Detail;
 pub use journal::Journal;
 pub use observe::observation::{Observation, PhotographNoise, Picture, PixelStatus};
 pub use observe::photometric::{PhotometricEstimate, PhotometricParameter};
@@ -54,6 +54,7 @@ pub use record::{
 };
 pub use schedule::expected_seconds;
 pub use session::Session;
+pub use texture::Detail;
 pub use unknown::{Quantity, Unknown};
 pub use unrender_render::{Query, Renderer, Stored, View, Views};
 pub use unrender_scene::Sheet;

@@ -95,7 +95,7 @@ fn cell(pixel: u32, width: usize, side: usize) -> Cell {
 fn highlights(evidence: &Evidence, cell_of: &dyn Fn(u32) -> Cell) -> BTreeSet<Cell> {
     let mut found = BTreeSet::new();
     for alpha in ALPHAS {
-        let [a, b] = evidence.lobe(alpha, alpha, 0.0);
+        let [a, b] = evidence.light.lobe(alpha, alpha, 0.0);
         let mut cells: BTreeMap<Cell, (f32, f32)> = BTreeMap::new();
         for (i, pixel) in evidence.sample.pixels.iter().enumerate() {
             let (sum, count) = cells.entry(cell_of(pixel.pixel)).or_default();
@@ -138,7 +138,7 @@ pub fn spread_out(
 
 /// One plus the relative residual at each sampled pixel, in the channel where it is largest.
 fn ratios(evidence: &Evidence, fit: &Fit) -> Vec<f32> {
-    let model = evidence.radiance(&fit.material);
+    let model = evidence.light.radiance(&fit.material);
     let one = |i: usize| {
         let pixel = &evidence.sample.pixels[i];
         let mean = 0.5 * (model[0][i] + model[1][i]);

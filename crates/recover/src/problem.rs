@@ -2,9 +2,9 @@
 
 use crate::effort::Effort;
 use crate::expected::Expected;
-use crate::hypothesis::textured::Detail;
 use crate::observe::observation::Observation;
 use crate::observe::photometric::PhotometricParameter;
+use crate::texture::Detail;
 use unrender_render::Renderer;
 use unrender_scene::{Group, Hypothesis, Material, Rgb};
 
@@ -107,16 +107,16 @@ impl GroupSpec {
         self.expected.first(rho_d, lobes.iter().any(|lobe| self.allows(*lobe)))
     }
 
-    /// The material of an unknown group that no pixel shows: white diffuse where nothing else is expected.
+    /// The material of an unknown group that no pixel shows: diffuse with [`UNSEEN`] where nothing else is expected.
     pub(crate) fn unseen(&self) -> Material {
-        let first = self.first(Rgb::ONE);
+        let first = self.first(Rgb::splat(UNSEEN));
         if self.allows(Hypothesis::Diffuse) { Material::diffuse(first.rho_d) } else { first }
     }
 
     /// The same in words, after "taken as".
     pub(crate) fn unseen_in_words(&self) -> &'static str {
-        let is_white = self.unseen() == Material::diffuse(Rgb::ONE);
-        if is_white { "white diffuse" } else { "its start and bounds guess" }
+        let is_usual = self.unseen() == Material::diffuse(Rgb::splat(UNSEEN));
+        if is_usual { "0.7, as walls and ceilings are" } else { "its start and bounds guess" }
     }
 
     /// The hypotheses without a texture that it may have; where there is none, the diffuse one, which
@@ -127,6 +127,10 @@ impl GroupSpec {
         if rungs.is_empty() { vec![Hypothesis::Diffuse] } else { rungs }
     }
 }
+
+/// The reflectance that is expected of a group out of sight: that of light walls and ceilings, which light a room most. At
+/// half of it everything else comes out brighter by some percent; white makes it darker by up to 7 %.
+pub const UNSEEN: f32 = 0.7;
 
 /// Whether a group's reflectance is to be recovered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,9 +202,10 @@ pub struct Thresholds {
     /// Where given: a simpler rung is preferred whose error is at most this many times the best
     /// rung's, whatever the significance of the difference.
     pub simpler: Option<f64>,
-    /// Where given: a group is textured if the best uniform rung leaves a model error above this.
-    /// Else it is textured if that is far above the model error of the scene's other groups.
-    pub textured: Option<f64>,
+    /// A group is textured if texels from some of its pixels predict a contrast of the others above this, relative and root
+    /// mean square, that no uniform rung predicts. At half of the default a lobe that is not in the model passes for a
+    /// texture, at double worn floors are flat.
+    pub textured: f64,
     /// The paper's lambda (eq. 3): objects whose ratio is further than this from the median of
     /// their group, relatively, do not count.
     pub dispersion: f64,
@@ -208,7 +213,7 @@ pub struct Thresholds {
 
 impl Default for Thresholds {
     fn default() -> Self {
-        Self { explained: 0.003, simpler: None, textured: None, dispersion: 0.5 }
+        Self { explained: 0.003, simpler: None, textured: 0.035, dispersion: 0.5 }
     }
 }
 

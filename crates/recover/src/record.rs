@@ -183,6 +183,8 @@ pub enum Rule {
     /// On samples of the light that arrives at the group's pixels: the simplest hypothesis that no other beats by two
     /// standard deviations is proposed, if it is another one. Where none is, `to` is the one that came nearest.
     LightSamples,
+    /// Texels from some of the group's pixels have to predict the others better than a uniform reflectance does.
+    Prediction,
     /// The group's own pixels, re-rendered, have to support more numbers: gain the price, or at least not be wrong.
     OwnPixels,
     /// The other groups' pixels have to gain the price and two standard deviations: a specular part of this group lights
@@ -213,6 +215,7 @@ impl Rule {
     pub fn name(self) -> &'static str {
         match self {
             Self::LightSamples => "light samples",
+            Self::Prediction => "prediction",
             Self::OwnPixels => "own pixels",
             Self::Picture => "picture",
             Self::OtherGroups => "other groups",

@@ -9,6 +9,7 @@ use crate::evidence::SampleBudget;
 use crate::observe::model_error::{Allowance, LightError, ModelError};
 use crate::problem::Options;
 use unrender_render::{Integrator, ProbeSettings, ProposalLobe, Settings};
+use unrender_scene::Material;
 
 /// How well the light is known under which hypotheses are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,10 +122,14 @@ pub(crate) fn candidates(
     }
 }
 
-/// For a texture, at every pixel of its group: while the light still changes, and at the end.
-pub fn texture(last: bool, options: &Options) -> SampleBudget {
+/// For a texture under this `lobe`, at every pixel of its group: while the light still changes, and at the end.
+pub(crate) fn texture(last: bool, lobe: &Material, options: &Options) -> SampleBudget {
     let cosine = options.effort.samples(if last { 48 } else { 4 });
-    let probe = ProbeSettings { cosine, seed: options.seed, ..ProbeSettings::default() };
+    let mut probe = ProbeSettings { cosine, seed: options.seed, ..ProbeSettings::default() };
+    if lobe.is_glossy() {
+        probe.lobes = ProposalLobe::round(&[lobe.alpha_x]);
+        (probe.per_lobe, probe.keep_incident) = (cosine, true);
+    }
     SampleBudget {
         pixels: usize::MAX,
         pixels_seed: options.seed,

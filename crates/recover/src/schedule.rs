@@ -11,6 +11,8 @@ pub(crate) enum Phase {
     Fits,
     /// Groups are asked for other hypotheses.
     Choice,
+    /// Groups are looked at for textures.
+    Textures,
     /// All numbers are refined together, roughly.
     Refinement,
     /// Groups are asked again, under the refined light.
@@ -66,18 +68,22 @@ impl Workload {
     /// Seconds of each phase on two cores, fitted to drafts of fifteen photographs with 5 to 26 groups and to four
     /// recoveries of the usual effort. One phase may take half or three times as long, where groups light each other or
     /// the scene is large; all together are within a factor of two in seventeen of these nineteen.
-    fn seconds(self) -> [f64; 7] {
+    fn seconds(self) -> [f64; 8] {
         let Self { effort, refine, groups, pixels, last_paths } = self;
+        let textures = 0.7 * groups;
         match (effort, refine) {
-            (_, false) => [1.3, 0.6 * groups, 0.0, 0.0, 0.0, 0.0, 0.7 + 0.45 * last_paths],
+            (_, false) => {
+                [1.3, 0.6 * groups, textures, 0.0, 0.0, 0.0, 0.0, 0.7 + 0.45 * last_paths]
+            }
             (Effort::Draft, true) => {
                 let (coarse, last, other) = (0.1 * groups, 0.75 * groups, 0.06 * groups);
-                [1.3, 0.6 * groups, coarse, 0.0, last, other, 0.7 + 0.45 * last_paths]
+                [1.3, 0.6 * groups, textures, coarse, 0.0, last, other, 0.7 + 0.45 * last_paths]
             }
             (Effort::Normal | Effort::High, true) => {
                 let (coarse, revision) = (0.2 * groups, 1.8 * groups);
                 let last = groups * (1.2 + 15.0 * pixels);
-                [1.8, 1.6 * groups, coarse, revision, last, 0.2 * groups, 3.5 + 0.42 * last_paths]
+                let (other, picture) = (0.2 * groups, 3.5 + 0.42 * last_paths);
+                [1.8, 1.6 * groups, textures, coarse, revision, last, other, picture]
             }
         }
     }
@@ -87,7 +93,7 @@ impl Workload {
 #[derive(Clone, Debug)]
 pub(crate) struct Schedule {
     /// The shares of the time at which the phases begin, and at which the last one ends.
-    limits: [f64; 8],
+    limits: [f64; 9],
     phase: Phase,
     reached: f64,
 }
@@ -117,7 +123,7 @@ impl Schedule {
 
     /// Whether hypotheses have been chosen, and all numbers are refined.
     pub(crate) fn is_refining(&self) -> bool {
-        !matches!(self.phase, Phase::Fits | Phase::Choice)
+        !matches!(self.phase, Phase::Fits | Phase::Choice | Phase::Textures)
     }
 
     /// The share of the whole that is done, 0 to 1, where `within` (0 to 1) of the present phase is; never less
@@ -133,9 +139,10 @@ impl Schedule {
 mod tests {
     use super::*;
 
-    const PHASES: [Phase; 7] = [
+    const PHASES: [Phase; 8] = [
         Phase::Fits,
         Phase::Choice,
+        Phase::Textures,
         Phase::Refinement,
         Phase::Revision,
         Phase::LastRefinement,
@@ -152,7 +159,7 @@ mod tests {
             let follow =
                 |two: &[Phase]| schedule.of_phase(two[0]).end == schedule.of_phase(two[1]).start;
             assert!(PHASES.windows(2).all(follow));
-            assert_eq!((schedule.limits[0], schedule.limits[7]), (0.0, 1.0));
+            assert_eq!((schedule.limits[0], schedule.limits[8]), (0.0, 1.0));
             let mut last = 0.0;
             for phase in [Phase::Fits, Phase::Revision, Phase::Refinement, Phase::LastRefinement] {
                 schedule.begin(phase);
@@ -170,6 +177,6 @@ mod tests {
     fn without_a_refinement_the_picture_comes_after_the_choice() {
         let options = Options { effort: Effort::Draft, refine: false, ..Options::default() };
         let schedule = Schedule::of(Workload::new(8, 50_000, &options));
-        assert_eq!(schedule.of_phase(Phase::Choice).end, schedule.of_phase(Phase::Picture).start);
+        assert_eq!(schedule.of_phase(Phase::Textures).end, schedule.of_phase(Phase::Picture).start);
     }
 }

@@ -11,7 +11,6 @@
 
 use crate::compare::likelihood::Likelihood;
 use crate::compare::residual::{BlockResiduals, ResidualStats, residual_stats};
-use crate::compare::within::Within;
 use crate::compare::{Contrast, Measured, Side, WORSE};
 use crate::guess::Guess;
 use crate::hypothesis::Hypothesis;
@@ -87,8 +86,6 @@ struct GroupScore {
     outlier: Vec<bool>,
     /// The model error below which nothing counts.
     least: Allowance,
-    /// What is left within blocks, beyond a model error of [`FLOOR`].
-    within: Within,
     /// How far its pixels are from the photograph.
     residual: ResidualStats,
 }
@@ -104,8 +101,6 @@ pub(crate) struct Claim {
     pub(crate) group: usize,
     /// How many more free parameters it has than the present hypothesis.
     pub(crate) adds: f64,
-    /// The model error below which its gain does not count, if not that of all changes.
-    pub(crate) least: Option<Allowance>,
     /// Whether it is the present hypothesis in another minimum.
     pub(crate) is_other_minimum: bool,
 }
@@ -220,11 +215,7 @@ impl Verifier {
     }
 
     /// Whether the picture of a group in `guess` supports the `claim` of its change from the `present` one: it has the
-    /// lower information criterion ([`crate::selection`]), or is not significantly wrong. A texture, which fits every
-    /// block, has to gain significantly more than from residuals that are chance, or that the better ones of the other
-    /// groups have too: from block to block, where slow changes over the surface may also be an error of a lobe, or
-    /// from pixel to pixel within blocks. There the other groups show what is chance, as the noise of a compressed
-    /// photograph is larger than its neighbouring pixels show.
+    /// lower information criterion ([`crate::selection`]), or is not significantly wrong.
     pub(crate) fn bears_out(
         &self,
         guess: &Guess<'_>,
@@ -232,7 +223,7 @@ impl Verifier {
         claim: Claim,
     ) -> Measured {
         let before = &present.guess;
-        let Claim { group, adds, least, is_other_minimum } = claim;
+        let Claim { group, adds, is_other_minimum } = claim;
         let Some(of) = self.groups.iter().find(|of| of.group == group) else {
             return Measured { holds: true, ..Measured::default() };
         };
@@ -241,52 +232,23 @@ impl Verifier {
             other.materials[group].clone_from(&before.materials[group]);
             other.observation.clone_from(&before.observation);
             let settings = Settings { spp: self.own_spp, ..self.settings };
-            let least = least.unwrap_or_else(|| allowance(OWN_FLOOR));
+            let least = allowance(OWN_FLOOR);
             let numbers = of.sample.numbers();
             [guess, &other].map(|guess| of.score(guess, least, render(guess, &numbers, &settings)))
         };
         let [mine, other] = &guess.steps.value("own verification", rendered);
-        let is_textured = guess.groups[group].hypothesis == Hypothesis::Textured;
-        // A lobe may lack what a Fresnel reflectance adds; on a diffuse surface only the light is wrong.
-        let is_slow_allowed = is_textured && before.materials[group].rho_s != Rgb::ZERO;
-        let contrast = if is_slow_allowed { Contrast::of_pattern } else { Contrast::of };
-        let contrast = of.contrast(mine, other, contrast);
+        let contrast = of.contrast(mine, other, Contrast::of);
         let independent = contrast.independent * of.sample.blocks.len() as f64;
-        let asks = if is_textured {
-            // The squares that it removes from residuals by chance, and how much more chance and noise may make them.
-            let chance = contrast.independent * contrast.chance;
-            let noise = contrast.independent.powi(2) * contrast.noise;
-            chance + WORSE * (2.0 * chance + noise).sqrt()
-        } else {
-            adds * independent.max(1.0).ln()
-        };
+        let asks = adds * independent.max(1.0).ln();
         let criterion = contrast.independent * contrast.difference + asks;
-        let is_fine_pattern = || {
-            let chance = self.usual(guess, present, group) * mine.within.count;
-            is_textured && mine.within.gains(&other.within, chance, WORSE)
-        };
-        let may_be_right = !is_textured && !is_other_minimum && contrast.may_be_right();
+        let may_be_right = !is_other_minimum && contrast.may_be_right();
         Measured {
-            holds: criterion < 0.0 || is_fine_pattern() || may_be_right,
+            holds: criterion < 0.0 || may_be_right,
             difference: contrast.independent * contrast.difference,
             deviation: contrast.independent * contrast.variance().sqrt(),
             price: asks,
             paths: self.own_spp,
         }
-    }
-}
-
-impl Verifier {
-    /// The median over the other groups without a texture of the ratio of squared residuals within blocks to their
-    /// variance, and at least one: less would be chance.
-    fn usual(&self, guess: &Guess<'_>, Verified { score, .. }: &Verified<'_>, group: usize) -> f64 {
-        let others = self.groups.iter().zip(&score.groups).filter(|(sample, _)| {
-            let is_textured = guess.groups[sample.group].hypothesis == Hypothesis::Textured;
-            sample.group != group && !is_textured
-        });
-        let mut ratios: Vec<f64> = others.map(|(_, score)| score.within.over_variance()).collect();
-        ratios.sort_by(f64::total_cmp);
-        ratios.get(ratios.len() / 2).map_or(1.0, |usual| usual.max(1.0))
     }
 }
 
@@ -323,9 +285,8 @@ impl GroupSample {
         for (block, _) in outlier.iter().enumerate().filter(|(_, outlier)| **outlier) {
             (residuals.residual[block], residuals.half[block]) = (Rgb::ZERO, Rgb::ZERO);
         }
-        let within = Within::of(&sample, &model);
         let residual = residual_stats(&sample.pixels, &model);
-        GroupScore { residuals, outlier, least, within, residual }
+        GroupScore { residuals, outlier, least, residual }
     }
 
     /// Compares two guesses by the comparison `of` their residuals. An outlier costs the same under both.

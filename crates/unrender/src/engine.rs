@@ -122,7 +122,7 @@ fn recover_as_read(
     let mut begun = 0.0;
     if !photometric::are_linear(&numbers) && options.refine && asked.paper.is_none() {
         // A texture would explain any error of a wrong gamma.
-        let thresholds = Thresholds { textured: Some(f64::INFINITY), ..options.thresholds };
+        let thresholds = Thresholds { textured: f64::INFINITY, ..options.thresholds };
         let rough = Options { thresholds, spp: 1, ..options.clone() };
         let rough = Asked { options: rough, ..asked.clone() };
         for _ in 0..ROUNDS_MAX {

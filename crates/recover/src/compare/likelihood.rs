@@ -61,12 +61,6 @@ impl Likelihood {
         around.fold(best, |best, share| best.or(at(share)))
     }
 
-    /// The likelihood of `residuals` with the most likely size of the light's error, and that of the other
-    /// part given.
-    pub fn slow(residuals: &BlockResiduals, field: &LightField, error: ModelError) -> Self {
-        Self::best_of(residuals, field, &lights(field), error)
-    }
-
     /// The likelihood of `residuals` under given sizes of both parts of the model error.
     pub fn given(
         residuals: &BlockResiduals,

@@ -9,7 +9,6 @@
 
 pub mod likelihood;
 pub mod residual;
-pub(crate) mod within;
 
 use crate::compare::likelihood::{Likelihood, ResidualCovariance};
 use crate::compare::residual::BlockResiduals;
@@ -57,9 +56,6 @@ pub struct Contrast {
     pub noise: f64,
     /// The share of the blocks that are independent of each other.
     pub independent: f64,
-    /// What a model that fits everything would gain by chance: the expected squares of all residuals without the
-    /// renderings' noise, which products of two do not hold.
-    pub chance: f64,
 }
 
 impl Contrast {
@@ -80,15 +76,6 @@ impl Contrast {
         Self::under(if is_mine { &a } else { &b }, blocks, [mine, other])
     }
 
-    /// Compares the one model with the other, which may have any error that changes slowly over the surface: only a
-    /// pattern speaks against it.
-    pub fn of_pattern(blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
-        let residuals = other.residuals.with_noise(&mine.residuals.noise);
-        let likelihood = Likelihood::slow(&residuals, other.field, other.floor);
-        let reference = Reference { residuals, field: other.field, likelihood };
-        Self::under(&reference, blocks, [mine, other])
-    }
-
     /// Compares the one model with the other, in units of the covariance of `reference`.
     fn under(reference: &Reference<'_>, blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
         let Reference { residuals, field, likelihood } = reference;
@@ -102,20 +89,8 @@ impl Contrast {
         });
         let independent = independent_share(blocks, &covariance.standardised());
         let noise = noise(&covariance, [mine, other].map(|side| side.residuals));
-        let chance = chance(residuals, likelihood.error);
-        Self { difference, separation: square(&apart), noise, independent, chance }
+        Self { difference, separation: square(&apart), noise, independent }
     }
-}
-
-/// The expected squares of `residuals` without the renderings' noise, in units of their variance.
-fn chance(residuals: &BlockResiduals, error: ModelError) -> f64 {
-    let of_block = |k: usize| {
-        let model = (error.share * error.share) as f32 * residuals.level2[k];
-        let variance = (residuals.noise[k] + model).max(Rgb::splat(f32::MIN_POSITIVE));
-        let rendering = residuals.rendering[k].min(residuals.noise[k]);
-        f64::from((Rgb::ONE - rendering / variance).element_sum())
-    };
-    (0..residuals.noise.len()).map(of_block).sum()
 }
 
 /// The variance, due to the renderings' noise, of the difference of two models' squared residuals.
@@ -293,43 +268,6 @@ mod tests {
         let rows = blocks.iter().map(|k| row(*k)).collect();
         let field = FieldOfPhotograph { blocks, rows, count: 2 };
         LightField::uniting(vec![field], LightError { share: 0.03 })
-    }
-
-    /// What a model without residuals gains beside one with those of `f`, by the comparison `of`.
-    fn gain(of: impl Fn(&Blocks, [&Side<'_>; 2]) -> Contrast, f: impl Fn(f32, f32) -> f32) -> f64 {
-        let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).collect();
-        let blocks = Blocks::of(&pixels, &Grid::even(&Sheet::of(&[(SIDE, SIDE)]), 1));
-        let (field, floor) = (field(), ModelError { share: 0.02 });
-        let all = [residuals(|_, _| 0.0), residuals(f)];
-        let sides = all.each_ref().map(|residuals| Side { residuals, field: &field, floor });
-        -of(&blocks, sides.each_ref()).difference
-    }
-
-    #[test]
-    fn what_changes_slowly_over_a_surface_is_no_pattern() {
-        let slow = |x: f32, _: f32| 0.2 * x;
-        let stripes = |x: f32, _: f32| 0.2 * (20.0 * x).sin();
-        // An error of the light by 12 % where 3 % are usual.
-        assert!(gain(Contrast::of, slow) > 50.0);
-        assert!(gain(Contrast::of_pattern, slow) < 10.0);
-        // Three channels of 400 blocks, seven deviations each.
-        assert!(gain(Contrast::of_pattern, stripes) > 20_000.0);
-    }
-
-    #[test]
-    fn noise_of_the_renderings_is_nothing_to_be_fitted() {
-        let error = ModelError { share: 0.02 };
-        let mut side = residuals(|_, _| 0.0);
-        let all = 3.0 * (SIDE * SIDE) as f64;
-        assert!((chance(&side, error) / all - 1.0).abs() < 1e-5);
-        // As much as the model error, and a hundred times as much.
-        for times in [1.0, 100.0] {
-            let levels = side.level2.clone();
-            side.rendering = levels.iter().map(|level| times * 0.02 * 0.02 * *level).collect();
-            side.noise.clone_from(&side.rendering);
-            let share = f64::from(1.0 / (1.0 + times));
-            assert!((chance(&side, error) / (share * all) - 1.0).abs() < 1e-3);
-        }
     }
 
     #[test]

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use unrender_scene::Rgb;
 
 /// The unexplained part of a group's photograph.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResidualStats {
     /// Relative square of the error that noise does not explain; may fall below zero by chance.
     pub squared: f64,

@@ -32,7 +32,7 @@ const STEPS: [u64; 2] = [100, 40];
 /// isotropic roughness, or with [`Search::Local`] an earlier answer.
 pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
     let known = [start.alpha_x, start.alpha_y, start.theta_rad];
-    let diffuse = evidence.diffuse();
+    let diffuse = evidence.light.diffuse();
     let bounds = evidence.expected.bounds;
     let shape_of =
         |p: &[f64]| bounds.nearest_shape([p[0].exp() as f32, p[1].exp() as f32, p[2] as f32]);
@@ -45,7 +45,7 @@ pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
         }
         Search::Global => {
             let part = evidence.thinned();
-            let diffuse = part.diffuse();
+            let diffuse = part.light.diffuse();
             anywhere((&part, &diffuse), &shape_of, start)
         }
     };
@@ -117,7 +117,7 @@ pub fn canonical([x, y, theta]: [f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evidence::Gathered;
+    use crate::evidence::{Gathered, Light};
     use crate::expected::{ParameterBounds, StartValues};
     use crate::observe::model_error::{Allowance, LightError, ModelError};
     use crate::observe::sample::Sample;
@@ -158,14 +158,13 @@ mod tests {
         let set = Gathered::new(BrdfModel::default(), Probes { probes, incident });
         let error = LightError { share: 0.01 };
         let mut evidence = Evidence {
-            model: BrdfModel::default(),
             sample: Sample::square(SIDE, 3, |_| Rgb::ZERO),
-            sets: [set.clone(), set],
+            light: Light { model: BrdfModel::default(), sets: [set.clone(), set] },
             allowance: Allowance { light: error, floor: ModelError { share: 0.003 } },
             least_noise: None,
             expected: Expected::default(),
         };
-        let [shown, _] = evidence.lobe(truth[0], truth[1], truth[2]);
+        let [shown, _] = evidence.light.lobe(truth[0], truth[1], truth[2]);
         let lit = 0.2 * irradiance * FRAC_1_PI;
         evidence.sample.pixels.iter_mut().zip(shown).for_each(|(p, s)| p.radiance = lit + 0.3 * s);
         evidence

@@ -11,7 +11,7 @@ use unrender_scene::Material;
 
 /// The diffuse reflectance that explains the evidence best.
 pub fn fit(evidence: &Evidence) -> Fit {
-    let diffuse = evidence.diffuse();
+    let diffuse = evidence.light.diffuse();
     let found = linear::fit(evidence, &diffuse, None, Terms::Diffuse);
     judged(Hypothesis::Diffuse, evidence, Material::diffuse(found.rho_d), &diffuse, None)
 }

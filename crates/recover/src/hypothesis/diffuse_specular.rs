@@ -8,7 +8,7 @@ use unrender_scene::Material;
 
 /// The two reflectances that explain the evidence best.
 pub fn fit(evidence: &Evidence) -> Fit {
-    let (diffuse, mirror) = (evidence.diffuse(), evidence.mirror());
+    let (diffuse, mirror) = (evidence.light.diffuse(), evidence.light.mirror());
     let found = linear::fit(evidence, &diffuse, Some(&mirror), Terms::Both);
     let material = Material { rho_d: found.rho_d, ..Material::mirror(found.rho_s) };
     judged(Hypothesis::DiffuseSpecular, evidence, material, &diffuse, Some(&mirror))

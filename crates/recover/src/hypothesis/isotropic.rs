@@ -15,7 +15,7 @@ use unrender_scene::{Material, Rgb};
 /// reflectance is certainly better.
 pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
     let is_plastic = !start.reflectance.is_free();
-    if !evidence.model.is_principled()
+    if !evidence.light.model.is_principled()
         || (search == Search::Kept && start.is_glossy() && !is_plastic)
     {
         return free(evidence, start, search);
@@ -32,7 +32,7 @@ pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
 
 /// The same with a free reflectance.
 fn free(evidence: &Evidence, start: &Material, search: Search) -> Fit {
-    let diffuse = evidence.diffuse();
+    let diffuse = evidence.light.diffuse();
     let known = (start.alpha_x * start.alpha_y).sqrt();
     let round = |alpha: f32| {
         let alpha = evidence.expected.bounds.nearest_round(alpha);
@@ -47,7 +47,7 @@ fn free(evidence: &Evidence, start: &Material, search: Search) -> Fit {
         }
         _ => {
             let part = evidence.thinned();
-            let diffuse = part.diffuse();
+            let diffuse = part.light.diffuse();
             let deviance = |alpha: f32| deviance(&part, &diffuse, round(alpha));
             round(anywhere(&part, &deviance))
         }
@@ -60,7 +60,7 @@ fn free(evidence: &Evidence, start: &Material, search: Search) -> Fit {
 /// anything where a sharp lobe is hardly sampled: the deviance knows of the rendering noise.
 pub(super) fn deviance(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], shape: [f32; 3]) -> f64 {
     let shape = evidence.expected.bounds.nearest_shape(shape);
-    let specular = evidence.lobe(shape[0], shape[1], shape[2]);
+    let specular = evidence.light.lobe(shape[0], shape[1], shape[2]);
     if shown_by(&specular) < SHOWN_MIN {
         return UNLIKELY;
     }
@@ -91,7 +91,7 @@ pub(super) fn downhill(
     steps: u64,
 ) -> [f32; 3] {
     let fitted = |shape: [f32; 3]| {
-        let specular = evidence.lobe(shape[0], shape[1], shape[2]);
+        let specular = evidence.light.lobe(shape[0], shape[1], shape[2]);
         with_lobe(Hypothesis::Isotropic, evidence, diffuse, shape, &specular)
     };
     at(&downhill_by(evidence, &|p| fitted(at(p)), (first, size), steps))
@@ -104,7 +104,7 @@ pub(super) fn finish(
     diffuse: &[Vec<Rgb>; 2],
     shape: [f32; 3],
 ) -> Fit {
-    let specular = evidence.lobe(shape[0], shape[1], shape[2]);
+    let specular = evidence.light.lobe(shape[0], shape[1], shape[2]);
     with_lobe(hypothesis, evidence, diffuse, shape, &specular)
 }
 

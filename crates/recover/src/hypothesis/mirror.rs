@@ -7,5 +7,11 @@ use unrender_scene::{Material, Rgb};
 /// The perfect mirror's residual.
 pub fn fit(evidence: &Evidence) -> Fit {
     let material = Material::mirror(Rgb::ONE);
-    judged(Hypothesis::Mirror, evidence, material, &evidence.diffuse(), Some(&evidence.mirror()))
+    judged(
+        Hypothesis::Mirror,
+        evidence,
+        material,
+        &evidence.light.diffuse(),
+        Some(&evidence.light.mirror()),
+    )
 }

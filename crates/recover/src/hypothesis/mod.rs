@@ -14,7 +14,6 @@ pub mod mirror;
 pub mod partial_mirror;
 mod plastic;
 mod roughness;
-pub mod textured;
 
 use crate::compare::likelihood::Likelihood;
 use crate::compare::residual::BlockResiduals;
@@ -36,7 +35,7 @@ pub const UNIFORM: [Hypothesis; 6] = [
 ];
 
 /// Fits a uniform hypothesis to the evidence, near `start` where it has a roughness to find.
-/// The textured hypothesis needs more than a sample of pixels: see [`textured`].
+/// The textured hypothesis needs more than a sample of pixels: see [`crate::texture`].
 pub fn fit(rung: Hypothesis, evidence: &Evidence, start: &Material, search: Search) -> Fit {
     match rung.of_paper() {
         Hypothesis::Diffuse | Hypothesis::Textured => diffuse::fit(evidence),
@@ -153,5 +152,5 @@ fn judged(
 /// The deviance of the lobe of `material` with the reflectances that fit best beside it.
 pub(crate) fn deviance_of_shape(evidence: &Evidence, material: &Material) -> f64 {
     let Material { alpha_x, alpha_y, theta_rad, .. } = *material;
-    isotropic::deviance(evidence, &evidence.diffuse(), [alpha_x, alpha_y, theta_rad])
+    isotropic::deviance(evidence, &evidence.light.diffuse(), [alpha_x, alpha_y, theta_rad])
 }

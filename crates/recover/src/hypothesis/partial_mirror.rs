@@ -7,7 +7,7 @@ use unrender_scene::Material;
 
 /// The specular reflectance that explains the evidence best.
 pub fn fit(evidence: &Evidence) -> Fit {
-    let (diffuse, mirror) = (evidence.diffuse(), evidence.mirror());
+    let (diffuse, mirror) = (evidence.light.diffuse(), evidence.light.mirror());
     let found = linear::fit(evidence, &diffuse, Some(&mirror), Terms::Specular);
     let material = Material::mirror(found.rho_s);
     judged(Hypothesis::PartialMirror, evidence, material, &diffuse, Some(&mirror))

@@ -53,13 +53,13 @@ fn explained(fit: &Fit) -> Explained<'_> {
 
 /// The plastic of the roughness `alpha` over a black base.
 fn of_alpha(evidence: &Evidence, alpha: f32) -> Material {
-    Material::plastic(Rgb::ZERO, IOR, evidence.model.layering(), alpha)
+    Material::plastic(Rgb::ZERO, IOR, evidence.light.model.layering(), alpha)
 }
 
 /// The fit with the roughness given.
 fn at(evidence: &Evidence, alpha: f32) -> Fit {
     let black = of_alpha(evidence, alpha);
-    let (diffuse, specular) = (evidence.base(&black), evidence.specular(&black));
+    let (diffuse, specular) = (evidence.light.base(&black), evidence.light.specular(&black));
     let terms = Terms::Beside(black.rho_s.x);
     let rho_d = linear::fit(evidence, &diffuse, Some(&specular), terms).rho_d;
     let material = Material { rho_d, ..black };

@@ -8,13 +8,13 @@
 
 use super::compared::{Asking, Compared, Fitted, decide, is_explained};
 use super::evidence_pair::{EvidencePair, Fits, Gathering};
-use super::proposal::{Proposal, added};
+use super::proposal::Proposal;
 use super::textures::{self, Textured};
 use crate::compare::Difference;
 use crate::compare::Measured;
+use crate::compare::residual::ResidualStats;
 use crate::guess::{GroupGuess, Guess};
 use crate::hypothesis::{Fit, Hypothesis};
-use crate::observe::model_error::{Allowance, ModelError};
 use crate::others::{MIDDLE, error_of_others, left_by_others, light_of_others};
 use crate::outliers;
 use crate::problem::Options;
@@ -22,6 +22,7 @@ use crate::progress::Progress;
 use crate::record::{CandidateRecord, Rule, Status};
 use crate::sample_budget::{self, Level};
 use serde::{Deserialize, Serialize};
+use unrender_scene::Material;
 
 /// Of the groups in error, those with at least this share of the worst model error are asked: at
 /// half of it more groups change at once under light that is wrong, at double only the worst does.
@@ -33,10 +34,12 @@ const CLEARLY: f64 = 1.5;
 /// A group may have outliers if its residual under a uniform hypothesis is this many times that of the scene's better
 /// groups: at half of it shadows of things that the model lacks are left out, at double small outliers are fitted.
 const UNEXPLAINED: f64 = 6.0;
-/// A texture is tried if the residual is this many times that of the better groups, and has to gain more than from
-/// residuals of that size ([`crate::verify`]). At half of it time goes to textures that are rejected, and shadows
-/// become textures; at double faint textures are taken for noise.
-const TEXTURED: f64 = 2.0;
+/// A uniform hypothesis explains a group if its residual is at most this many times that of the better groups. At half of
+/// it every group is asked with all light samples; double of it keeps hypotheses that more samples would refuse.
+const EXPLAINED: f64 = 2.0;
+/// A lobe over a texture is another one if its roughness is so many times as large or small. At half of the difference
+/// the noise of the light changes it back and forth, double of it is visible.
+const OTHER_LOBE: f32 = 1.3;
 /// The scene's better groups: those below this quantile of the residual. A group that no hypothesis
 /// explains yet must not hide the others' textures.
 const BETTER: f64 = 0.25;
@@ -79,19 +82,6 @@ impl<'o> Candidates<'o> {
     /// Gives rejected hypotheses another chance, under better light.
     pub(crate) fn forget_rejections(&mut self) {
         self.rejected.iter_mut().for_each(Vec::clear);
-    }
-
-    /// The groups whose texture was rejected, which may now be proposed again: it was judged by the other groups'
-    /// residuals.
-    pub(crate) fn take_refused_textures(&mut self) -> Vec<usize> {
-        let mut groups = Vec::new();
-        for (group, rejected) in self.rejected.iter_mut().enumerate() {
-            if rejected.contains(&Hypothesis::Textured) {
-                rejected.retain(|hypothesis| *hypothesis != Hypothesis::Textured);
-                groups.push(group);
-            }
-        }
-        groups
     }
 
     /// Lets `groups` be asked again at the present level, for rejected hypotheses too: their light has changed.
@@ -165,17 +155,12 @@ impl<'o> Candidates<'o> {
     /// Forgets why groups have no texture if their refined numbers explain them after all.
     pub(crate) fn forget_explained(&self, guess: &mut Guess<'_>) {
         for group in guess.visible_unknowns() {
-            let limit = self.textured_above(typical(guess, group));
+            let limit = UNEXPLAINED * typical(guess, group);
             let of_group = &mut guess.groups[group];
             if of_group.likelihood.is_some_and(|left| left.error.share <= limit) {
                 of_group.untextured = None;
             }
         }
-    }
-
-    /// The residual above which a texture is tried, if the better ones of the other groups leave `typical`.
-    fn textured_above(&self, typical: f64) -> f64 {
-        self.options.thresholds.textured.unwrap_or(TEXTURED * typical)
     }
 
     /// For groups whose hypothesis is not allowed: the best one that is, whatever the picture says.
@@ -207,8 +192,8 @@ impl<'o> Candidates<'o> {
         self.asked[group] += 1;
         self.asked_at[group] = Some(level);
         let answer = guess.steps.value("candidates", || self.ask(guess, group, level));
+        let from = guess.groups[group].hypothesis;
         if let Some((to, measured)) = answer.decision {
-            let from = guess.groups[group].hypothesis;
             progress.decide(group, [from, to], measured, Rule::LightSamples);
         }
         answer.note(&mut guess.groups[group], progress.iterations.len());
@@ -221,8 +206,9 @@ impl<'o> Candidates<'o> {
         let mut budget =
             sample_budget::candidates(level, self.options, &guess.problem.unknown_lights, pixels);
         // The model may be as wrong here as it is for the other groups.
-        let floor = &mut budget.allowance.floor;
-        floor.share = floor.share.max(error_of_others(guess, group, MIDDLE));
+        let share = &mut budget.allowance.floor.share;
+        *share = share.max(error_of_others(guess, group, MIDDLE));
+        let floor = budget.allowance.floor;
         let typical = typical(guess, group);
         let most = light_of_others(guess, group);
         let by = Gathering { options: self.options, group, most, budget };
@@ -230,7 +216,7 @@ impl<'o> Candidates<'o> {
             by,
             level,
             rejected: &self.rejected[group],
-            explained: self.textured_above(typical),
+            explained: EXPLAINED * typical,
             stands: sample_budget::is_light_to_spare(
                 level,
                 self.options,
@@ -248,87 +234,93 @@ impl<'o> Candidates<'o> {
         let chosen = fitted.chosen().clone();
         let Some(chain) = chain(guess, group, &fitted) else { return answer };
         let uniform = Proposal { is_other_minimum, is_borne_out, ..chain };
-        let after = if guess.problem.groups[group].allows(chosen.hypothesis) {
-            self.beyond_uniform(guess, group, evidence, (chosen, typical), &mut answer.untextured)
+        let is_explained = is_explained(&chosen, UNEXPLAINED * typical, floor);
+        answer.untextured = textures::is_possible(guess, group).err().filter(|_| !is_explained);
+        let proposal = if guess.problem.groups[group].allows(chosen.hypothesis) {
+            let left = self.without_outliers(guess, group, evidence, chosen, typical);
+            left.and_then(|left| self::chain(guess, group, &left)).or(Some(uniform))
         } else {
-            let texture = self.texture(guess, group, &chosen, &mut answer.untextured);
-            answer.proposal = texture.filter(|texture| texture.moves(guess));
-            return answer;
+            self.texture(guess, group, level, true).1
         };
-        let is_textured = guess.groups[group].hypothesis == Hypothesis::Textured;
-        answer.proposal = if uniform.moves(guess) && !(is_textured && after.is_some()) {
-            Some(Proposal { then: after.map(Box::new), ..uniform })
-        } else {
-            after.filter(|after| after.moves(guess))
-        };
+        answer.proposal = proposal.filter(|proposal| proposal.moves(guess));
         answer
     }
 
-    /// Proposals for a group that no uniform hypothesis explains: one of these without outliers, and a texture,
-    /// compared with it, since an outlier costs as much as some texels. The better ones of the other groups leave
-    /// `typical`.
-    fn beyond_uniform(
-        &self,
-        guess: &Guess<'_>,
-        group: usize,
-        evidence: EvidencePair,
-        (chosen, typical): (Fit, f64),
-        untextured: &mut Option<String>,
-    ) -> Option<Proposal> {
-        let asked = self.options.thresholds.textured;
-        let (limit, textured_above) = (UNEXPLAINED * typical, self.textured_above(typical));
-        let floor = evidence.judging.allowance.floor;
-        let texture = if is_explained(&chosen, textured_above, floor) {
-            None
-        } else {
-            // An error of the light as large as that of other groups is no texture.
-            let most = evidence.judging.sample.field.most;
-            let light =
-                if most.share.is_finite() { most } else { evidence.judging.allowance.light };
-            let least = Allowance { light, floor: ModelError { share: TEXTURED * typical } };
-            let least = asked.is_none().then_some(least);
-            let texture = self.texture(guess, group, &chosen, untextured);
-            texture.map(|texture| Proposal { least, ..texture })
-        };
-        if !self.options.outliers || is_explained(&chosen, limit, floor) {
-            return texture;
-        }
-        let left = self.without_outliers(guess, group, evidence, chosen, limit);
-        match left.filter(|left| is_explained(left.chosen(), asked.unwrap_or(limit), floor)) {
-            Some(left) => {
-                let then = texture.map(Box::new);
-                chain(guess, group, &left).map(|best| Proposal { then, ..best })
+    /// Textures for the groups whose pixels predict each other by one, and the best uniform hypotheses for those with a
+    /// texture whose pixels do not.
+    pub(crate) fn textures(
+        &mut self,
+        guess: &mut Guess<'_>,
+        level: Level,
+        progress: &mut Progress<'_>,
+    ) -> Vec<Proposal> {
+        let groups = guess.visible_unknowns();
+        let mut proposals = Vec::new();
+        for (n, &group) in groups.iter().enumerate() {
+            if progress.is_cancelled() {
+                break;
             }
-            None => texture,
+            let name = &guess.problem.groups[group].name;
+            let done = n as f64 / groups.len() as f64;
+            progress.working(&format!("looking for a texture of \"{name}\""), done);
+            let (measured, proposal) =
+                guess.steps.value("look", || self.texture(guess, group, level, false));
+            let present = guess.groups[group].hypothesis;
+            if let Some(measured) = measured {
+                progress.decide(group, [present, Hypothesis::Textured], measured, Rule::Prediction);
+            }
+            let is_textured = present == Hypothesis::Textured;
+            let other = if is_textured && measured.is_some_and(|measured| !measured.holds) {
+                self.propose(guess, group, level, done, progress)
+            } else {
+                proposal
+            };
+            proposals.extend(other.filter(|other| other.moves(guess)));
         }
+        proposals
     }
 
-    /// A texture for a group that `uniform` explains best of the uniform hypotheses, or why there is none. It has no
-    /// outliers: a texture explains every pixel.
+    /// A texture for `group` if its pixels predict each other by one, better than its uniform reflectance does, or where it
+    /// must have one; and by what. It has no outliers: a texture explains every pixel.
     fn texture(
         &self,
         guess: &Guess<'_>,
         group: usize,
-        uniform: &Fit,
-        untextured: &mut Option<String>,
-    ) -> Option<Proposal> {
-        if !self.may_be_textured(guess, group) {
-            return None;
+        level: Level,
+        must: bool,
+    ) -> (Option<Measured>, Option<Proposal>) {
+        if !self.may_be_textured(guess, group) || textures::is_possible(guess, group).is_err() {
+            return (None, None);
         }
         let mut whole = guess.clone();
         whole.forget_outliers(group);
-        let extracted = textures::extract(&whole, self.options, group, false);
-        let Textured { material, seen, .. } =
-            extracted.map_err(|why| *untextured = Some(why)).ok()?;
-        let present = guess.groups[group].hypothesis;
-        Some(Proposal {
-            hypothesis: Hypothesis::Textured,
-            is_more_complex: present < Hypothesis::Textured,
-            adds: added(guess, group, (Hypothesis::Textured, &material)),
-            material,
+        let pixels = whole.observation.pixels_of_group[group].len();
+        let unknown_lights = &guess.problem.unknown_lights;
+        let mut budget = sample_budget::candidates(level, self.options, unknown_lights, pixels);
+        budget.probe.max_bounces = self.options.max_bounces;
+        budget.probe.probes_per_pixel = 1;
+        let (present, material) = (guess.groups[group].hypothesis, &guess.materials[group]);
+        let Some(found) = textures::look(&whole, group, &budget) else {
+            return (None, None);
+        };
+        let least = self.options.thresholds.textured;
+        let is_texture = must || found.pattern.is_texture(least);
+        let measured = found.pattern.measured(is_texture, least);
+        let extracted =
+            is_texture.then(|| textures::extract(&whole, self.options, group, &found.lobe, false));
+        let Some(Textured { material: next, seen, .. }) = extracted.flatten() else {
+            return (Some(measured), None);
+        };
+        let is_other_minimum =
+            present == Hypothesis::Textured && is_other_lobe(material, &found.lobe);
+        let residual = ResidualStats::default();
+        let proposal = Proposal {
             seen_texels: Some(seen),
-            ..Proposal::uniform(guess, group, uniform, &[], None)
-        })
+            is_borne_out: true,
+            is_other_minimum,
+            ..Proposal::unasked(guess, group, (Hypothesis::Textured, next), residual)
+        };
+        (Some(measured), Some(proposal))
     }
 
     fn may_be_textured(&self, guess: &Guess<'_>, group: usize) -> bool {
@@ -336,15 +328,20 @@ impl<'o> Candidates<'o> {
             && !self.rejected[group].contains(&Hypothesis::Textured)
     }
 
-    /// The fits to the group without its outliers, if one of them explains it.
+    /// The fits to the group without its outliers, if one of them explains it, where `fit` to all of it does not. The
+    /// better ones of the other groups leave `typical`.
     fn without_outliers(
         &self,
         guess: &Guess<'_>,
         group: usize,
         mut evidence: EvidencePair,
         mut fit: Fit,
-        limit: f64,
+        typical: f64,
     ) -> Option<Fitted> {
+        let limit = UNEXPLAINED * typical;
+        if !self.options.outliers || is_explained(&fit, limit, evidence.judging.allowance.floor) {
+            return None;
+        }
         let geometry = guess.problem.renderer.geometry();
         let mut found = Vec::new();
         let valid = &guess.observation.pixels_of_group[group];
@@ -373,6 +370,15 @@ impl<'o> Candidates<'o> {
             fit = chosen.clone();
         }
         None
+    }
+}
+
+/// Whether the lobe of `present` is another one than `lobe`.
+fn is_other_lobe(present: &Material, lobe: &Material) -> bool {
+    let (a, b) = (present.alpha_x, lobe.alpha_x);
+    match (present.is_glossy(), lobe.is_glossy()) {
+        (true, true) => a.max(b) > OTHER_LOBE * a.min(b),
+        (before, now) => before != now,
     }
 }
 

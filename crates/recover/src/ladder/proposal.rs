@@ -4,7 +4,6 @@ use crate::compare::likelihood::Likelihood;
 use crate::compare::residual::ResidualStats;
 use crate::guess::Guess;
 use crate::hypothesis::{Fit, Hypothesis};
-use crate::observe::model_error::Allowance;
 use crate::record::CandidateRecord;
 use crate::selection::parameters;
 use crate::verify::Claim;
@@ -34,13 +33,8 @@ pub(crate) struct Proposal {
     pub(crate) is_other_minimum: bool,
     /// Whether it was chosen on paths that were used for no fit: the group's own pixels support it.
     pub(super) is_borne_out: bool,
-    /// The model error below which its gain does not count, if not that of all changes.
-    pub(crate) least: Option<Allowance>,
     /// The one to try if the picture speaks against this one.
     pub(super) next: Option<Box<Proposal>>,
-    /// The one to try next, whether this one was accepted or not: the group without outliers, or a texture. These
-    /// explain more than any uniform hypothesis does, and have to be compared with the best of them.
-    pub(super) then: Option<Box<Proposal>>,
 }
 
 impl Proposal {
@@ -87,9 +81,7 @@ impl Proposal {
             seen_texels: None,
             is_other_minimum: false,
             is_borne_out: false,
-            least: None,
             next: None,
-            then: None,
         }
     }
 
@@ -107,20 +99,7 @@ impl Proposal {
 
     /// The one to try if the picture speaks against this one.
     pub(crate) fn otherwise(self, guess: &Guess<'_>) -> Option<Self> {
-        let next = self.next.map(|next| *next).filter(|next| next.moves(guess));
-        match next {
-            Some(next) => Some(Self { then: self.then, ..next }),
-            None => self.then.map(|then| *then),
-        }
-    }
-
-    /// The one to try after this one was accepted, as it now is in `guess`.
-    pub(crate) fn afterwards(self, guess: &Guess<'_>) -> Option<Self> {
-        let then = *self.then?;
-        let present = guess.groups[then.group].hypothesis;
-        let is_more_complex = then.hypothesis > present;
-        let adds = added(guess, then.group, (then.hypothesis, &then.material));
-        Some(Self { is_more_complex, adds, ..then })
+        self.next.map(|next| *next).filter(|next| next.moves(guess))
     }
 
     /// Writes into the group's selection log whether the change was accepted.
@@ -130,8 +109,8 @@ impl Proposal {
 
     /// What it claims of its group, for the comparison by the group's own pixels.
     pub(crate) fn claim(&self) -> Claim {
-        let Self { group, adds, least, is_other_minimum, .. } = *self;
-        Claim { group, adds, least, is_other_minimum }
+        let Self { group, adds, is_other_minimum, .. } = *self;
+        Claim { group, adds, is_other_minimum }
     }
 
     /// Makes the change.

@@ -1,15 +1,17 @@
-//! Textures: the last rung, taken where no uniform hypothesis explains a group.
+//! Textures of groups: looked for, and extracted once more under the final light.
 
+use crate::evidence::SampleBudget;
 use crate::guess::Guess;
-use crate::hypothesis::{Hypothesis, textured};
+use crate::hypothesis::Hypothesis;
 use crate::problem::Options;
 use crate::record::Deviations;
 use crate::sample_budget;
+use crate::texture::{self, Found};
 use serde::{Deserialize, Serialize};
 use unrender_scene::{Image, Material, Rgb};
 
 /// A texture needs this many pixels: below that it has fewer texels than a lobe has parameters.
-const PIXELS_MIN: usize = 200;
+const PIXELS_MIN: usize = 100;
 
 /// A texture with what is known of it.
 #[derive(Clone, Serialize, Deserialize)]
@@ -21,49 +23,62 @@ pub(crate) struct Textured {
     pub(crate) deviation: Rgb,
 }
 
-/// The texture of `group` under the present light; where it has no texture coordinates or too few pixels, why it has none.
+/// Whether `group` may have a texture: it has texture coordinates and enough pixels. Else, why it may not.
+pub(crate) fn is_possible(guess: &Guess<'_>, group: usize) -> Result<(), String> {
+    let why = |reason: &str| {
+        format!("no uniform reflectance explains this group, and it has {reason} for a texture")
+    };
+    let pixels = &guess.observation.pixels_of_group[group];
+    if pixels.len() < PIXELS_MIN {
+        return Err(why("too few pixels"));
+    }
+    let geometry = guess.stage().renderer.geometry().pixels();
+    let first = geometry[pixels[0] as usize].uv;
+    if pixels.iter().all(|pixel| geometry[*pixel as usize].uv == first) {
+        return Err(why("no texture coordinates"));
+    }
+    Ok(())
+}
+
+/// What texels predict of `group` by so much light; none without texture coordinates.
+pub(crate) fn look(guess: &Guess<'_>, group: usize, budget: &SampleBudget) -> Option<Found> {
+    let pixels = &guess.observation.pixels_of_group[group];
+    let uniform = Material { texture: None, ..guess.materials[group].clone() };
+    let bounds = &guess.problem.groups[group].expected.bounds;
+    let (stage, appearance) = (guess.stage(), guess.appearance());
+    texture::look(&stage, appearance, (group, pixels), (&uniform, bounds), budget)
+}
+
+/// The texture of `group` under this `lobe` in the present light; none without texture coordinates.
 pub(crate) fn extract(
     guess: &Guess<'_>,
     options: &Options,
     group: usize,
+    lobe: &Material,
     last: bool,
-) -> Result<Textured, String> {
-    let why = |reason: &str| {
-        format!("no uniform reflectance explains this group, and it has {reason} for a texture")
-    };
-    if guess.observation.pixels_of_group[group].len() < PIXELS_MIN {
-        return Err(why("too few pixels"));
-    }
-    let mut budget = sample_budget::texture(last, options);
+) -> Option<Textured> {
+    let mut budget = sample_budget::texture(last, lobe, options);
     budget.probe.max_bounces = options.max_bounces;
-    let plain = Material::diffuse(guess.materials[group].rho_d);
     let (stage, detail) = (guess.stage(), guess.problem.detail.filter(|_| last));
     let mut extracted =
-        textured::extract((&stage, detail), guess.appearance(), group, &plain, &budget)
-            .ok_or_else(|| why("no texture coordinates"))?;
+        texture::extract((&stage, detail), guess.appearance(), group, lobe, &budget)?;
     guess.problem.groups[group].expected.bounds.bound_texels(&mut extracted.texture);
-    let mean = textured::mean(&extracted);
-    let material = Material { texture: Some(extracted.texture), rho_d: mean, ..plain };
-    Ok(Textured { material, seen: extracted.seen, deviation: extracted.deviation })
+    let rho_d = texture::mean(&extracted);
+    let material = Material { texture: Some(extracted.texture), rho_d, ..lobe.clone() };
+    Some(Textured { material, seen: extracted.seen, deviation: extracted.deviation })
 }
 
-/// `guess` with its textures once more, with more light samples, under the final light. The mean that a joint refinement
-/// found from the light that a texture sends to others is given to it by the texels that no pixel shows.
+/// `guess` with its textures once more, with more light samples, under the final light.
 pub(crate) fn last<'a>(guess: &Guess<'a>, options: &Options) -> Guess<'a> {
     let mut with = guess.clone();
     for group in guess.visible_unknowns() {
         if guess.groups[group].hypothesis != Hypothesis::Textured {
             continue;
         }
-        let found = guess.steps.value("texture", || extract(&with, options, group, true).ok());
-        let Some(Textured { mut material, seen, deviation }) = found else { continue };
-        if guess.covariance.is_some() && textured::is_partly_unseen(&seen) {
-            let (shown, sent) = (material.rho_d, guess.materials[group].rho_d);
-            (0..3).for_each(|c| textured::set_mean(&mut material, &seen, c, sent[c]));
-            material.rho_d = shown;
-        }
-        // The unseen texels may have left the bounds.
-        with.materials[group] = guess.problem.groups[group].expected.bounds.nearest(&material);
+        let lobe = Material { texture: None, ..guess.materials[group].clone() };
+        let found = guess.steps.value("texture", || extract(&with, options, group, &lobe, true));
+        let Some(Textured { material, seen, deviation }) = found else { continue };
+        with.materials[group] = material;
         let of_group = &mut with.groups[group];
         of_group.seen_texels = Some(seen);
         of_group.std = Some(Deviations { rho_d: Some(deviation), ..Deviations::default() });

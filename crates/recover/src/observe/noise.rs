@@ -35,6 +35,12 @@ impl Noise {
     pub fn variance(&self, radiance: Rgb) -> Rgb {
         self.base + self.slope * radiance.max(Rgb::ZERO)
     }
+
+    /// That of one of so many pixels, of whose mean it is.
+    pub(crate) fn of_one_in(&self, pixels: usize) -> Self {
+        let times = pixels as f32;
+        Self { base: times * self.base, slope: times * self.slope }
+    }
 }
 
 /// A group's noise is not estimated from fewer differences than this: forty give it to a quarter. At half of

@@ -7,7 +7,6 @@ use crate::observe::sample::{Observed, Stage};
 use crate::problem::Role;
 use glam::Vec3;
 use std::collections::BTreeMap;
-use unrender_scene::Hypothesis;
 
 /// The side of a block in pixels, that of JPEG: errors of a photograph are often alike in
 /// neighbouring pixels.
@@ -30,11 +29,11 @@ pub(crate) struct Cell {
 }
 
 /// At most `per_group` pixels of every group whose residual says something: those that are free or
-/// known, not textures (which explain every pixel) and not lights (unless they are unknown).
+/// known, not lights (unless they are unknown).
 pub(crate) fn all(guess: &Guess<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
     let says_something = |group: &usize| match guess.problem.groups[*group].role {
         Role::Emitter => guess.problem.unknown_lights.contains(group),
-        _ => guess.groups[*group].hypothesis != Hypothesis::Textured,
+        _ => true,
     };
     let groups = (0..guess.materials.len()).filter(says_something);
     cells(&guess.stage(), groups, per_group, seed)

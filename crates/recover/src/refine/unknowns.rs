@@ -5,13 +5,13 @@ use super::parameters::{self, At, Linear, Range, Start};
 use super::relations::{self, Relation};
 use crate::fit::quadratic::Bounds;
 use crate::guess::{GroupGuess, Guess};
-use crate::hypothesis::{self, Hypothesis, textured};
+use crate::hypothesis;
 use crate::problem::{ExposureRule, Role};
 use crate::record::Status;
 use crate::unknown::{Quantity, Unknown};
 use nalgebra::DVector;
 use unrender_render::Parameter;
-use unrender_scene::{Image, Material, Rgb};
+use unrender_scene::{Material, Rgb};
 
 /// The largest relative step of a reflectance that is taken as one of its reciprocal: it doubles it. At half of it dark
 /// groups need more passes, at double they jump to infinity.
@@ -36,14 +36,9 @@ struct Column {
     parameters: [usize; 2],
 }
 
-/// The kinds of numbers that are free in a group: those of its rung, but for a texture that is seen as a
-/// whole, which its own pixels determine.
+/// The kinds of numbers that are free in a group: those of its rung.
 fn quantities(of_group: &GroupGuess, material: &Material) -> &'static [Quantity] {
-    let is_guessed = |seen: &Image<bool>| textured::is_partly_unseen(seen);
-    match of_group.hypothesis {
-        Hypothesis::Textured if !of_group.seen_texels.as_ref().is_some_and(is_guessed) => &[],
-        hypothesis => hypothesis::quantities(hypothesis, material),
-    }
+    hypothesis::quantities(of_group.hypothesis, material)
 }
 
 impl Unknowns {

@@ -24,36 +24,25 @@ use crate::unknown::{Quantity, Unknown};
 use std::collections::BTreeSet;
 use unrender_scene::{Material, Rgb};
 
-/// A group out of sight is recovered if all its standard deviations are below this ...
+/// A group out of sight is recovered if all its standard deviations are below this; else it is assumed. At half of it what
+/// the light says of a large wall behind the camera counts as a guess, at double a guess as known.
 const UNSEEN_MAX: f64 = 0.1;
-/// ... and below this its best guess is used, so that the others are not fitted under light that
-/// the photograph speaks against.
-const GUESS_MAX: f64 = 0.3;
 /// From this correlation on, two numbers of one group are named as tied.
 const TIED: f64 = 0.95;
 /// A roughness with a larger relative standard deviation than this is said to be open.
 const ALPHA_OPEN: f64 = 0.5;
 
 /// Simplifies hypotheses that the photograph does not support. True if something changed.
-///
-/// Groups out of sight come last, once nothing changes for the others: a superfluous number of a hypothesis, which the
-/// photograph leaves open, makes all numbers uncertain.
 pub(super) fn simplify(
     guess: &mut Guess<'_>,
     solution: &Solution,
     options: &Options,
     progress: &mut Progress<'_>,
 ) -> bool {
-    let is_guess = |guess: &Guess<'_>, group: usize| {
-        let out_of_sight = guess.observation.pixels_of_group[group].is_empty();
-        out_of_sight && guess.groups[group].hypothesis == Hypothesis::Diffuse
-    };
     let free = |group: &usize| Verdict { solution, group: *group }.is_free();
     let groups: Vec<usize> = (0..guess.materials.len()).filter(free).collect();
-    let (guesses, others): (Vec<usize>, Vec<usize>) =
-        groups.into_iter().partition(|group| is_guess(guess, *group));
     let mut changed = false;
-    for group in others {
+    for group in groups {
         let verdict = Verdict { solution, group };
         let note = &mut |to: Hypothesis, measured: Measured| {
             let from = guess.groups[group].hypothesis;
@@ -61,15 +50,6 @@ pub(super) fn simplify(
         };
         if let Some((hypothesis, material, note)) = verdict.simpler(guess, options, note) {
             changed |= step_down(guess, group, hypothesis, material, note);
-        }
-    }
-    if changed {
-        return true;
-    }
-    for group in guesses {
-        if (Verdict { solution, group }).largest(Quantity::RhoD) > GUESS_MAX {
-            assume_white(guess, group);
-            changed = true;
         }
     }
     changed
@@ -103,17 +83,6 @@ fn step_down(
     true
 }
 
-fn assume_white(guess: &mut Guess<'_>, group: usize) {
-    let (spec, why) = (&guess.problem.groups[group], guess.why_unseen(group));
-    guess.materials[group] = spec.unseen();
-    let of_group = &mut guess.groups[group];
-    of_group.status = Status::Assumed;
-    of_group.note = Some(format!(
-        "{why}, and the light that it sends leaves its reflectance open: taken as {}",
-        spec.unseen_in_words()
-    ));
-}
-
 /// Records the standard deviation of each number.
 pub(super) fn record(guess: &mut Guess<'_>, solution: &Solution) {
     let matrix = solution.covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
@@ -132,11 +101,12 @@ pub(super) fn record(guess: &mut Guess<'_>, solution: &Solution) {
         }
         if guess.observation.pixels_of_group[group].is_empty() {
             let is_determined = verdict.largest(Quantity::RhoD) <= UNSEEN_MAX;
+            let why = guess.why_unseen(group);
             let of_group = &mut guess.groups[group];
             of_group.status = if is_determined { Status::Recovered } else { Status::Assumed };
             let how = if is_determined { "" } else { ", which leaves it open: a guess" };
             of_group.note.get_or_insert_with(|| {
-                format!("never seen directly: from the light that it sends to the others{how}")
+                format!("{why}: from the light that it sends to the others{how}")
             });
         }
         if let Some(note) = verdict.likeness(guess) {

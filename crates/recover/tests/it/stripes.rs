@@ -140,7 +140,7 @@ impl Stripes {
             return Rgb::ZERO;
         }
         let wo = Self::wo(pixel);
-        let rho_d = material.rho_d_at(self.geometry.pixels()[pixel as usize].uv);
+        let rho_d = Self::seen(material, self.geometry.pixels()[pixel as usize].uv);
         let is_hidden = self.facing.is_some_and(|facing| facing.hidden == Some(group));
         let shine = lobe.map_or_else(
             || Self::mirror(wo),
@@ -154,6 +154,19 @@ impl Stripes {
         );
         let shine = if is_hidden { Rgb::ZERO } else { shine };
         rho_d * self.irradiance * brighter * FRAC_1_PI + material.rho_s * shine
+    }
+
+    /// The diffuse reflectance of `material` over the square of a pixel with this texture coordinate in its middle.
+    fn seen(material: &Material, uv: Vec2) -> Rgb {
+        const POINTS: usize = 16;
+        if material.texture.is_none() {
+            return material.rho_d;
+        }
+        let along = |i: usize| (i as f32 + 0.5) / POINTS as f32 - 0.5;
+        let point = |i: usize| {
+            material.rho_d_at(uv + Vec2::new(along(i % POINTS) / 64.0, along(i / POINTS) / 24.0))
+        };
+        (0..POINTS * POINTS).map(point).sum::<Rgb>() / (POINTS * POINTS) as f32
     }
 
     /// The derivatives of the radiances of `pixels` by one parameter, by central differences.

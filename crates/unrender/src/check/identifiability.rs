@@ -78,10 +78,11 @@ pub(super) fn identifiability(
         return None;
     }
     let of = |basis: [Vec<Rgb>; 2]| basis.map(|half| half.into_iter().map(luminance).collect());
-    let light: [Vec<f32>; 2] = of(all.diffuse());
-    let straight: [Vec<f32>; 2] = of(direct.diffuse());
+    let light: [Vec<f32>; 2] = of(all.light.diffuse());
+    let straight: [Vec<f32>; 2] = of(direct.light.diffuse());
     let shine = ALPHAS.map(|alpha| {
-        let lobe = |of_light: &Evidence| -> [Vec<f32>; 2] { of(of_light.lobe(alpha, alpha, 0.0)) };
+        let lobe =
+            |of_light: &Evidence| -> [Vec<f32>; 2] { of(of_light.light.lobe(alpha, alpha, 0.0)) };
         let (highlight, mut image) = (lobe(&direct), lobe(&all));
         for (all, direct) in image.iter_mut().zip(&highlight) {
             all.iter_mut().zip(direct).for_each(|(all, direct)| *all -= direct);

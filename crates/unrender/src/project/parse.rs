@@ -290,7 +290,7 @@ fn thresholds(raw: &BTreeMap<String, f64>) -> Result<(Thresholds, [f64; 6]), Str
         match (name.as_str(), rung) {
             ("explained", _) => thresholds.explained = value,
             ("simpler", _) => thresholds.simpler = Some(value),
-            ("textured", _) => thresholds.textured = Some(value),
+            ("textured", _) => thresholds.textured = value,
             ("dispersion", _) => thresholds.dispersion = value,
             (_, Some(rung)) => of_paper[rung] = value,
             _ => {

@@ -35,8 +35,8 @@ fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
             (Some(StatusEntry::SameAs(other)), ..) => { "One material with " (other) ", as the project states." }
             (Some(StatusEntry::Of(Status::Known)), ..) => "Given, not recovered.",
             (Some(StatusEntry::Of(Status::Assumed)), ..) => "Not determined by this photograph.",
-            (_, Hypothesis::Textured, _) => "No uniform reflectance explains it: its texture was \
-                taken from the photograph.",
+            (_, textured, _) if textured.of_paper() == Hypothesis::Textured => "Texels from some of \
+                its pixels predict the others better than any uniform reflectance does.",
             _ if paper => "The error fell below the rung's threshold, or the ladder ended.",
             (_, _, Some(last)) => (because(&group.decisions, last)),
             (_, _, None) if open => "No other hypothesis explains it better; but its error is \

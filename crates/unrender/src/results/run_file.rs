@@ -126,7 +126,7 @@ fn settings(job: &Job, recovered: &Recovered) -> SettingsEntry {
     let mut named: IndexMap<String, f64> = [
         ("explained", Some(thresholds.explained)),
         ("simpler", thresholds.simpler),
-        ("textured", thresholds.textured),
+        ("textured", Some(thresholds.textured)),
         ("dispersion", Some(thresholds.dispersion)),
     ]
     .into_iter()

@@ -107,7 +107,8 @@ fn it_is_worked_on_in_squares_and_its_textures_keep_its_pixels() {
     let off = off.map(f64::abs).fold(0.0, f64::max);
     let texture = run["groups"]["floor"]["texture"].as_str().unwrap();
     let texture = read(&folder, &format!("out/{texture}"));
-    let [fine, coarse] = [&texture, &shrunk(&texture, 2)].map(correlation);
+    // A square is four texels wide.
+    let [fine, coarse] = [&texture, &shrunk(&texture, 4)].map(correlation);
     println!("{off} {fine} {coarse} {} x {}", texture.width(), texture.height());
     assert!(off < 0.001, "{off}");
     assert!(fine > 0.8 && fine > coarse + 0.1, "{fine}, in squares {coarse}");

@@ -2,9 +2,11 @@
 
 use super::{At, Linear, ParameterKind, Prior, Range, Start};
 use crate::guess::Guess;
-use crate::hypothesis::{Hypothesis, textured};
+use crate::problem::UNSEEN;
+use crate::texture;
 use crate::unknown::{Quantity, Unknown};
 use unrender_render::Parameter;
+use unrender_scene::Rgb;
 
 /// The diffuse reflectance; of a texture its mean.
 pub(super) struct Diffuse;
@@ -14,14 +16,9 @@ pub(super) struct Specular;
 /// The standard deviation of the prior: nothing in [0, 1] is unlikely. Half of it pulls black and white
 /// surfaces towards the start; double of it changes nothing that was measured.
 const DEVIATION: f64 = 0.5;
-/// The standard deviation of the prior of a texture's mean, for a texture that is seen as a whole, and what
-/// is added if nothing of it is seen: seen texels are known from their own pixels, which the refinement does
-/// not use, and the others are guesses from these. At half or double of either, the stated uncertainty of the groups
-/// that it lights is too small or too large.
-const TEXTURE: f64 = 0.003;
-const UNSEEN: f64 = 0.15;
-/// The prior mean of a group out of sight without a starting value: the middle.
-const MIDDLE: f64 = 0.5;
+/// The same of a group out of sight, whose mean is [`UNSEEN`]: most walls, ceilings and floors of rooms are within two. At
+/// half of it what their light says hardly counts, at double dark rooms behind the camera are bright.
+const DEVIATION_UNSEEN: f64 = 0.2;
 
 /// No step changes a reflectance by more than this. Half of it takes more passes; double of it goes
 /// beyond where the light between groups is about linear in it.
@@ -70,17 +67,12 @@ impl ParameterKind for Diffuse {
     }
 
     fn prior(&self, guess: &Guess<'_>, u: &Unknown) -> Prior {
-        let of_group = &guess.groups[u.of];
-        let deviation = if of_group.hypothesis == Hypothesis::Textured {
-            let seen = of_group.seen_texels.as_ref();
-            TEXTURE + UNSEEN * f64::from(seen.map_or(0.0, textured::unseen_share))
-        } else {
-            DEVIATION
-        };
-        // The ladder has no answer for groups out of sight.
-        let expected = &guess.problem.groups[u.of].expected;
-        let start = expected.start.rho_d.map_or(MIDDLE, |start| f64::from(start[channel(u)]));
-        Prior { mean: is_out_of_sight(guess, u.of).then_some(start), deviation }
+        if !is_out_of_sight(guess, u.of) {
+            return Prior { mean: None, deviation: DEVIATION };
+        }
+        // The ladder has no answer for it.
+        let start = guess.problem.groups[u.of].expected.start.rho_d.unwrap_or(Rgb::splat(UNSEEN));
+        Prior { mean: Some(f64::from(start[channel(u)])), deviation: DEVIATION_UNSEEN }
     }
 
     fn precise_enough(&self, guess: &Guess<'_>, u: &Unknown) -> f64 {
@@ -96,11 +88,7 @@ impl ParameterKind for Diffuse {
     }
 
     fn set(&self, guess: &mut Guess<'_>, _: &Start, u: &Unknown, value: f64) {
-        let material = &mut guess.materials[u.of];
-        match &guess.groups[u.of].seen_texels {
-            Some(seen) => textured::set_mean(material, seen, channel(u), value as f32),
-            None => material.rho_d[channel(u)] = value as f32,
-        }
+        texture::set_mean(&mut guess.materials[u.of], channel(u), value as f32);
     }
 
     fn range(&self, guess: &Guess<'_>, u: &Unknown, _: f64) -> Range {
@@ -118,7 +106,7 @@ impl ParameterKind for Diffuse {
             return linear.derivative;
         }
         // The renderer's derivative is by a factor on the texture.
-        linear.derivative / self.value(at, u).max(f64::from(textured::MEAN_MIN))
+        linear.derivative / self.value(at, u).max(f64::from(texture::MEAN_MIN))
     }
 }
 

@@ -1,11 +1,13 @@
 //! Texels from the pixels of a photograph of which the recovery sees only means over squares: the light is interpolated
 //! between the squares, since it changes slowly; the detail is the photograph's.
 
-use super::{Lit, TexelSample};
-use crate::evidence::Evidence;
+use super::Shown;
+use super::footprint::Footprint;
+use super::lit::{self, Lit};
+use super::near::Near;
 use crate::observe::sample::Stage;
 use unrender_render::{GeometryBuffers, NOTHING};
-use unrender_scene::RgbImage;
+use unrender_scene::{Rgb, RgbImage};
 
 /// The photograph whose squares of pixels are those of a [`crate::Problem`].
 pub trait Detail: Sync {
@@ -22,46 +24,52 @@ pub trait Detail: Sync {
 /// much; half of it was not tried.
 const ROWS: usize = 64;
 
-/// The samples of the texels by the photograph's pixels in the squares of `evidence`, which are of `group` and have the
-/// light `light`.
-pub(super) fn samples(
-    (stage, detail): (&Stage<'_>, &dyn Detail),
-    group: usize,
-    evidence: &Evidence,
-    light: &[Lit],
-) -> Vec<TexelSample> {
+/// What the photograph's pixels in the squares of `lit` show, which are of `group`.
+pub(super) fn shown((stage, detail): (&Stage<'_>, &dyn Detail), group: usize, lit: &Lit) -> Shown {
     let (squares, side, values) = (stage.renderer.geometry(), detail.side(), detail.values());
-    let place = super::places(squares, evidence);
-    let mut samples = Vec::new();
+    let width = squares.width() * side;
+    let mut place = vec![u32::MAX; squares.pixels().len()];
+    lit.pixels.iter().enumerate().for_each(|(i, pixel)| place[*pixel as usize] = i as u32);
+    let shine = lit::mean(&lit.shine);
+    let light: Vec<[Rgb; 3]> =
+        (0..shine.len()).map(|i| [lit.base[0][i], lit.base[1][i], shine[i]]).collect();
+    let mut pixels = Vec::new();
+    let (mut footprints, mut under, mut noise) = (Vec::new(), Vec::new(), Vec::new());
+    let mut base = [Vec::new(), Vec::new()];
     for first in (0..squares.height()).step_by(ROWS) {
         let rows = ROWS.min(squares.height() - first);
         let geometry = detail.geometry(first * side, rows * side);
         for (index, here) in geometry.pixels().iter().enumerate() {
             let (x, y) = (index % geometry.width(), first * side + index / geometry.width());
             let square = y / side * squares.width() + x / side;
-            let Some(seen) = evidence.sample.pixels.get(place[square] as usize) else { continue };
+            let place_of_square = place[square] as usize;
+            let Some(seen) = lit.shown.get(place_of_square) else { continue };
             if here.object == NOTHING || here.group as usize != group {
                 continue;
             }
             let finer = *values.at(x, y) - stage.observation.picture.values.pixels()[square];
-            let radiance = seen.radiance + stage.exposure * finer;
             let at = [x, y].map(|pixel| (pixel as f32 + 0.5) / side as f32 - 0.5);
-            if let Some(light) = interpolated((squares, &place, light), at, here.object) {
-                samples.push(TexelSample::new(here.uv, radiance, &light));
+            if let Some([a, b, shine]) = interpolated((squares, &place, &light), at, here.object) {
+                footprints.push(Footprint::of(&geometry, index));
+                under.push(*seen + stage.exposure * finer - shine);
+                base[0].push(a);
+                base[1].push(b);
+                noise.push(lit.noise[place_of_square].of_one_in(side * side));
+                pixels.push((y * width + x) as u32);
             }
         }
     }
-    samples
+    Shown { footprints, near: Near::of(&pixels, width), under, noise, light: base }
 }
 
-/// The light at a point, in columns and rows between the centres of `squares`, from the squares about it that show
-/// `object` and have light; none without any.
+/// The light on a base, twice, and on the lobe above it at a point, in columns and rows between the centres of `squares`, from the
+/// squares about it that show `object` and have light; none without any.
 fn interpolated(
-    (squares, place, light): (&GeometryBuffers, &[u32], &[Lit]),
+    (squares, place, light): (&GeometryBuffers, &[u32], &[[Rgb; 3]]),
     [x, y]: [f32; 2],
     object: u32,
-) -> Option<Lit> {
-    let (mut sum, mut weights) = (Lit::default(), 0.0);
+) -> Option<[Rgb; 3]> {
+    let (mut sum, mut weights) = ([Rgb::ZERO; 3], 0.0);
     for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
         let share = |at: f32, step: i64| {
             let beyond = at - at.floor();
@@ -77,11 +85,9 @@ fn interpolated(
         let Some(near) = light.get(place[square] as usize) else { continue };
         if squares.pixels()[square].object == object {
             let weight = share(x, dx) * share(y, dy);
-            (0..2).for_each(|set| sum.sets[set] += weight * near.sets[set]);
-            sum.shine += weight * near.shine;
+            sum.iter_mut().zip(near).for_each(|(sum, near)| *sum += weight * *near);
             weights += weight;
         }
     }
-    (weights > 0.0)
-        .then(|| Lit { sets: sum.sets.map(|set| set / weights), shine: sum.shine / weights })
+    (weights > 0.0).then(|| sum.map(|sum| sum / weights))
 }

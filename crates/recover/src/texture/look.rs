@@ -1,0 +1,110 @@
+//! Looks whether a group has a texture, and what lobe lies over it.
+
+use super::lit::Lit;
+use super::pattern::{ALPHAS, Judge, Pattern};
+use crate::evidence::{Light, SampleBudget};
+use crate::expected::ParameterBounds;
+use crate::observe::sample::Stage;
+use crate::streams::Stream;
+use unrender_render::sampler::mix;
+use unrender_render::{Appearance, ProbeSettings};
+use unrender_scene::reflectance::IOR;
+use unrender_scene::{BrdfModel, Material, Rgb};
+
+/// Pixels that are looked at, about, and the side of the squares that they come from where a group has more. At half of the
+/// pixels faint textures are missed, double of them takes twice as long. The side is three times the longest distance at
+/// which pixels are compared.
+const PIXELS: usize = 6000;
+const WINDOW: usize = 48;
+/// The relative noise of the light, and by how much more of it is gathered at most where that is larger. At half of the
+/// noise it takes four times as long; at double faint textures are missed.
+const NOISE: f32 = 0.04;
+const MORE_MAX: f32 = 16.0;
+
+/// A texture that a group has.
+#[derive(Clone, Debug)]
+pub(crate) struct Found {
+    /// The lobe over it, with a black base.
+    pub(crate) lobe: Material,
+    pub(crate) pattern: Pattern,
+}
+
+/// What texels predict of `pixels` of a group, whose best uniform reflectance is `uniform` within these bounds; none without
+/// texture coordinates.
+pub(crate) fn look(
+    stage: &Stage<'_>,
+    appearance: Appearance<'_>,
+    (group, pixels): (usize, &[u32]),
+    (uniform, bounds): (&Material, &ParameterBounds),
+    budget: &SampleBudget,
+) -> Option<Found> {
+    let geometry = stage.renderer.geometry();
+    let pixels = windows(pixels, geometry.width(), budget.pixels_seed);
+    let mut probe = budget.probe.clone();
+    probe.seed = Stream::Judging.change(probe.seed);
+    let gather = |probe: &ProbeSettings| Light::gather(stage, appearance, group, &pixels, probe);
+    let (mut light, mut seen) = gather(&probe);
+    let black = Material::diffuse(Rgb::ZERO);
+    let noise = Lit::of(stage, group, (&light, &seen), &black).smoothed(geometry).scatter();
+    let more = (noise / NOISE).powi(2).min(MORE_MAX);
+    if more > 1.0 {
+        probe.cosine = (probe.cosine as f32 * more).ceil() as u32;
+        probe.per_lobe = (probe.per_lobe as f32 * more.sqrt()).ceil() as u32;
+        (light, seen) = gather(&probe);
+    }
+    let pixels = seen;
+    let lit = |lobe: &Material| Lit::of(stage, group, (&light, &pixels), lobe).smoothed(geometry);
+    let model = stage.renderer.model();
+    let plain = lit(&Material::diffuse(Rgb::ZERO));
+    let judge = Judge::of(&plain, geometry)?;
+    let roughness = may_be_plastic(model, bounds).then(|| {
+        let lobes: Vec<(f32, Lit)> = roughnesses(uniform)
+            .into_iter()
+            .map(|alpha| (alpha, lit(&plastic(model, alpha))))
+            .collect();
+        judge.roughness(&plain, &lobes)
+    });
+    let lobe = roughness.flatten().map_or(Material::diffuse(Rgb::ZERO), |a| plastic(model, a));
+    let of_uniform = lit(uniform);
+    let shown = [0, 1].map(|half: usize| -> Vec<Rgb> {
+        let both = of_uniform.base[half].iter().zip(&of_uniform.shine[half]);
+        both.map(|(base, shine)| uniform.rho_d * *base + *shine).collect()
+    });
+    let pattern = judge.predicted(&lit(&lobe), &shown);
+    Some(Found { lobe, pattern })
+}
+
+/// The roughnesses that are tried: [`ALPHAS`], and that of `uniform` if it is a plastic, ascending.
+fn roughnesses(uniform: &Material) -> Vec<f32> {
+    let is_plastic = uniform.is_glossy() && !uniform.reflectance.is_free();
+    let own = is_plastic.then_some((uniform.alpha_x * uniform.alpha_y).sqrt());
+    let mut all: Vec<f32> = ALPHAS.into_iter().chain(own).collect();
+    all.sort_by(f32::total_cmp);
+    all.dedup();
+    all
+}
+
+/// The lobe of a plastic of this roughness over a black base.
+fn plastic(model: BrdfModel, alpha: f32) -> Material {
+    Material::plastic(Rgb::ZERO, IOR, model.layering(), alpha)
+}
+
+fn may_be_plastic(model: BrdfModel, bounds: &ParameterBounds) -> bool {
+    let f0 = Rgb::splat(unrender_scene::reflectance::f0_of_ior(IOR));
+    model.is_principled() && bounds.rho_s[0].cmple(f0).all() && f0.cmple(bounds.rho_s[1]).all()
+}
+
+/// About [`PIXELS`] of `pixels` of a picture of this `width`, in whole squares that `seed` chooses.
+fn windows(pixels: &[u32], width: usize, seed: u64) -> Vec<u32> {
+    if pixels.len() <= PIXELS {
+        return pixels.to_vec();
+    }
+    let window = |pixel: &u32| {
+        let (x, y) = (*pixel as usize % width, *pixel as usize / width);
+        mix(seed ^ (y / WINDOW * width + x / WINDOW) as u64)
+    };
+    let mut order: Vec<u64> = pixels.iter().map(window).collect();
+    order.sort_unstable();
+    let last = order[PIXELS];
+    pixels.iter().filter(|pixel| window(pixel) <= last).copied().collect()
+}
