@@ -139,7 +139,8 @@ impl Driver<'_, '_> {
         Ok(present)
     }
 
-    /// Gives the groups a texture whose pixels predict each other by one; under its light the others are compared again.
+    /// Gives the groups a texture whose pixels predict each other by one; while hypotheses are chosen, those whose light has
+    /// changed by that are compared again.
     fn find_textures<'a>(
         &mut self,
         mut present: Verified<'a>,

@@ -12,7 +12,7 @@ pub mod diffuse_specular;
 pub mod isotropic;
 pub mod mirror;
 pub mod partial_mirror;
-mod plastic;
+pub(crate) mod plastic;
 mod roughness;
 
 use crate::compare::likelihood::Likelihood;

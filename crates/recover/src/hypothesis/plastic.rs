@@ -8,16 +8,15 @@ use super::roughness::{STEPS, anywhere, downhill_by};
 use super::{Fit, Hypothesis, Search, judged};
 use crate::compare::{Explained, difference, independent_blocks};
 use crate::evidence::Evidence;
+use crate::expected::ParameterBounds;
 use crate::fit::linear::{self, Terms};
-use unrender_scene::reflectance::IOR;
-use unrender_scene::{Material, Rgb};
+use unrender_scene::reflectance::{IOR, f0_of_ior};
+use unrender_scene::{BrdfModel, Material, Rgb};
 
 /// The plastic that explains the evidence best; none if the user's bounds exclude a reflectance of 4 %.
 pub(super) fn fit(evidence: &Evidence, start: &Material, search: Search) -> Option<Fit> {
     let bounds = &evidence.expected.bounds;
-    let f0 = of_alpha(evidence, 0.1).rho_s;
-    let [low, high] = bounds.rho_s;
-    if !(low.cmple(f0).all() && f0.cmple(high).all()) {
+    if !is_within(bounds) {
         return None;
     }
     let round = |alpha: f32| bounds.nearest_round(alpha);
@@ -51,14 +50,21 @@ fn explained(fit: &Fit) -> Explained<'_> {
     Explained { residuals: &fit.residuals, likelihood: &fit.likelihood }
 }
 
-/// The plastic of the roughness `alpha` over a black base.
-fn of_alpha(evidence: &Evidence, alpha: f32) -> Material {
-    Material::plastic(Rgb::ZERO, IOR, evidence.light.model.layering(), alpha)
+/// Whether the user's bounds allow the lobe of a plastic, which reflects 4 % at normal incidence.
+pub(crate) fn is_within(bounds: &ParameterBounds) -> bool {
+    let f0 = Rgb::splat(f0_of_ior(IOR));
+    let [low, high] = bounds.rho_s;
+    low.cmple(f0).all() && f0.cmple(high).all()
+}
+
+/// The plastic of the roughness `alpha` over a black base, in a scene of `model`.
+pub(crate) fn of_alpha(model: BrdfModel, alpha: f32) -> Material {
+    Material::plastic(Rgb::ZERO, IOR, model.layering(), alpha)
 }
 
 /// The fit with the roughness given.
 fn at(evidence: &Evidence, alpha: f32) -> Fit {
-    let black = of_alpha(evidence, alpha);
+    let black = of_alpha(evidence.light.model, alpha);
     let (diffuse, specular) = (evidence.light.base(&black), evidence.light.specular(&black));
     let terms = Terms::Beside(black.rho_s.x);
     let rho_d = linear::fit(evidence, &diffuse, Some(&specular), terms).rho_d;

@@ -1,7 +1,8 @@
 //! Candidates: other hypotheses for the groups that the present ones explain worst.
 //!
 //! All uniform rungs are fitted to gathered incident light, and model selection takes one by light that was gathered
-//! again ([`crate::selection`]). What none explains may be outliers ([`crate::outliers`]), or a texture.
+//! again ([`crate::selection`]). What none explains may be outliers ([`crate::outliers`]). A texture is no such candidate: it
+//! is looked for by itself ([`crate::texture`]).
 //! Only the worst groups are asked at a time, because a wrong group spoils the light of its
 //! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself; the
 //! driver accepts it if the re-rendering of the whole picture is not worse for it.
@@ -254,7 +255,9 @@ impl<'o> Candidates<'o> {
         level: Level,
         progress: &mut Progress<'_>,
     ) -> Vec<Proposal> {
-        let groups = guess.visible_unknowns();
+        let mut groups = guess.visible_unknowns();
+        // No contrast is as large as an infinite one.
+        groups.retain(|_| self.options.thresholds.textured.is_finite());
         let mut proposals = Vec::new();
         for (n, &group) in groups.iter().enumerate() {
             if progress.is_cancelled() {

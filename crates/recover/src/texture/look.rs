@@ -4,16 +4,16 @@ use super::lit::Lit;
 use super::pattern::{ALPHAS, Judge, Pattern};
 use crate::evidence::{Light, SampleBudget};
 use crate::expected::ParameterBounds;
+use crate::hypothesis::plastic;
 use crate::observe::sample::Stage;
 use crate::streams::Stream;
 use unrender_render::sampler::mix;
 use unrender_render::{Appearance, ProbeSettings};
-use unrender_scene::reflectance::IOR;
-use unrender_scene::{BrdfModel, Material, Rgb};
+use unrender_scene::{Material, Rgb};
 
 /// Pixels that are looked at, about, and the side of the squares that they come from where a group has more. At half of the
-/// pixels faint textures are missed, double of them takes twice as long. The side is three times the longest distance at
-/// which pixels are compared.
+/// pixels faint textures are missed, double of them takes twice as long. The side is that of three of the largest squares
+/// that are predicted; half of it has hardly a whole one, double of it few places of a group.
 const PIXELS: usize = 6000;
 const WINDOW: usize = 48;
 /// The relative noise of the light, and by how much more of it is gathered at most where that is larger. At half of the
@@ -55,16 +55,17 @@ pub(crate) fn look(
     let pixels = seen;
     let lit = |lobe: &Material| Lit::of(stage, group, (&light, &pixels), lobe).smoothed(geometry);
     let model = stage.renderer.model();
-    let plain = lit(&Material::diffuse(Rgb::ZERO));
+    let plain = lit(&black);
     let judge = Judge::of(&plain, geometry)?;
-    let roughness = may_be_plastic(model, bounds).then(|| {
+    let may_be_plastic = model.is_principled() && plastic::is_within(bounds);
+    let roughness = may_be_plastic.then(|| {
         let lobes: Vec<(f32, Lit)> = roughnesses(uniform)
             .into_iter()
-            .map(|alpha| (alpha, lit(&plastic(model, alpha))))
+            .map(|alpha| (alpha, lit(&plastic::of_alpha(model, alpha))))
             .collect();
         judge.roughness(&plain, &lobes)
     });
-    let lobe = roughness.flatten().map_or(Material::diffuse(Rgb::ZERO), |a| plastic(model, a));
+    let lobe = roughness.flatten().map_or(black, |alpha| plastic::of_alpha(model, alpha));
     let of_uniform = lit(uniform);
     let shown = [0, 1].map(|half: usize| -> Vec<Rgb> {
         let both = of_uniform.base[half].iter().zip(&of_uniform.shine[half]);
@@ -82,16 +83,6 @@ fn roughnesses(uniform: &Material) -> Vec<f32> {
     all.sort_by(f32::total_cmp);
     all.dedup();
     all
-}
-
-/// The lobe of a plastic of this roughness over a black base.
-fn plastic(model: BrdfModel, alpha: f32) -> Material {
-    Material::plastic(Rgb::ZERO, IOR, model.layering(), alpha)
-}
-
-fn may_be_plastic(model: BrdfModel, bounds: &ParameterBounds) -> bool {
-    let f0 = Rgb::splat(unrender_scene::reflectance::f0_of_ior(IOR));
-    model.is_principled() && bounds.rho_s[0].cmple(f0).all() && f0.cmple(bounds.rho_s[1]).all()
 }
 
 /// About [`PIXELS`] of `pixels` of a picture of this `width`, in whole squares that `seed` chooses.

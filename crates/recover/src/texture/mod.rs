@@ -55,7 +55,8 @@ const DENSITY: f32 = 1.9;
 /// How much alike neighbouring texels may be asked to be, in units of a texel's mean weight; other pixels decide. A tenth
 /// of the least follows the noise of every texture that was tried, ten times the most blurs every one.
 const ALIKE: [f32; 4] = [0.003, 0.03, 0.3, 3.0];
-/// The side of the squares of pixels of which half are fitted and half are predicted, pixels.
+/// The side of the squares of pixels of which half are fitted and half are predicted, pixels: no wider than details that
+/// texels may hold. Half and double of it were not tried.
 const SQUARE: usize = 4;
 /// What a pixel shows is wrong by at least this share of the mean reflectance, beyond the photograph's noise; and by so much
 /// before anything is known. Half and double of either change no texture that was tried.
@@ -75,8 +76,6 @@ pub(crate) fn extract(
     let geometry = stage.renderer.geometry();
     let pixels = &stage.observation.pixels_of_group[group];
     let footprint = |pixel: &u32| Footprint::of(geometry, *pixel as usize);
-    let coarse: Vec<Footprint> = pixels.iter().map(footprint).collect();
-    footprint::lattice(&coarse, DENSITY, SIDE_MAX)?;
     let lit = gather(stage, appearance, (group, pixels), lobe, budget);
     let shown = match detail {
         Some(detail) => detailed::shown((stage, detail), group, &lit),
