@@ -28,14 +28,20 @@ sheet docs/images/removal.png 1 examples/hall/photo.png \
 
 docs/figure11.sh
 
-# The report of Figure 8, by a browser; see crates/unrender/tests/external/report_browser.
-cargo run --release -- recover examples/fig8/fig8.toml --no-refine --out "$out/report"
+# The first of the README: the furnished room with lobes of GGX, larger than the example, and its report by a browser; see
+# crates/unrender/tests/external/report_browser. It takes half an hour.
+cargo run --release --example make_room -- "$out/hero" 384 ggx 600
+cargo run --release -- recover "$out/hero/room.toml" --out "$out/hero/result"
+cargo run --release -- restage --recovered "$out/hero/result" --project "$out/hero/room.toml" \
+    --remove sofa --remove books --composite --spp 256 --out "$out/hero/empty"
+sheet docs/images/hero.jpg 1 \
+    "$out/hero/result/photo.png" "$out/hero/result/rerendered.png" "$out/hero/empty/composite.png"
 mkdir "$out/browser"
 cp crates/unrender/tests/external/report_browser/*.{json,mjs} "$out/browser"
 npm ci --prefix "$out/browser"
-node "$out/browser/screenshot.mjs" "$out/report/report.html" docs/images/report.png 1100 640 light "#groups"
+node "$out/browser/screenshot.mjs" "$out/hero/result/report.html" docs/images/report.png 1440 1000 light
 
-# The first of the README, of the materials that its five lines recover, with less noise than there: the photograph,
+# The second of the README, of the materials of Figure 8, with less noise than there: the photograph,
 # the view with these materials, and the photograph without the small block.
 [ -e out/materials.json ] || cargo run --release -- recover examples/fig8/fig8.toml --out out
 cargo run --release -- render --project examples/fig8/fig8.toml --materials out/materials.json \

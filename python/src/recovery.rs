@@ -126,7 +126,7 @@ fn worked(
     let (mut global, args) = cli::recover_args(words)?;
     global.console = Console::new(listener);
     let ((mut project, warnings), given) = match project {
-        None => (Project::read(&args.project)?, InMemory::default()),
+        None => (Project::read(args.project()?)?, InMemory::default()),
         Some(PlainParts { path, text, given }) => (Project::parse(&path, &text)?, given),
     };
     command::settle(&args, &mut project, &global);

@@ -19,6 +19,7 @@ VERBS: dict[str, Callable[..., object]] = {
     "calibrate": unrender.calibrate,
     "check": unrender.check,
     "export": unrender.export,
+    "init": unrender.init,
     "merge": unrender.merge,
     "merge-exposures": unrender.merge_exposures,
     "plan": unrender.plan,
@@ -36,6 +37,8 @@ ONLY_COMMAND = {"json", "help", "version", "quiet", "resume"}
 # They are about the command itself; Python has unrender.dask in place of `farm`.
 NO_VERBS = {"help", "completions", "farm", "man"}
 ONLY_PYTHON = {"progress", "cancel", "on_iteration"}
+# A Project in memory names its scene and photograph itself.
+IN_THE_PROJECT = {"recover": {"scene", "photo"}}
 GLOBAL = {"threads", "allow_outside", "allow_missing", "input_memory"}
 
 
@@ -52,7 +55,7 @@ def test_there_is_a_verb_for_every_subcommand() -> None:
 def test_options_have_the_names_and_defaults_of_flags(verb: str) -> None:
     flags = {flag["name"]: flag for flag in described()[verb]["flags"]}
     parameters = inspect.signature(VERBS[verb]).parameters
-    own = set(flags) - ONLY_COMMAND - GLOBAL
+    own = set(flags) - ONLY_COMMAND - GLOBAL - IN_THE_PROJECT.get(verb, set())
     assert own <= set(parameters), own - set(parameters)
     assert set(parameters) <= own | GLOBAL | ONLY_PYTHON, set(parameters) - own
     for name in own:
@@ -76,6 +79,16 @@ def test_check_says_what_to_mend(corpus: Path) -> None:
     assert checkup.document["groups"]
     assert checkup.edges.ndim == 3
     assert checkup._repr_png_() is not None
+
+
+def test_a_project_is_made_of_two_files(corpus: Path, tmp_path: Path) -> None:
+    scene, photo, out = corpus / "plastic" / "scene.glb", corpus / "plastic" / "photo.jpg", tmp_path / "p.toml"
+    proposed = unrender.init(scene, photo, out=out)
+    assert proposed.path == out
+    assert "is written" in proposed.summary
+    assert unrender.check(out).document["groups"]
+    with pytest.raises(unrender.FileError, match="there already"):
+        unrender.init(scene, photo, out=out)
 
 
 def test_a_plan_ranks_further_photographs(recovery: unrender.Recovery, corpus: Path) -> None:

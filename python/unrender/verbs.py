@@ -35,11 +35,13 @@ __all__ = [
     "Calibration",
     "Checkup",
     "Plan",
+    "Proposed",
     "Restaging",
     "Score",
     "calibrate",
     "check",
     "export",
+    "init",
     "plan",
     "report",
     "restage",
@@ -212,6 +214,45 @@ def check(
         line = words("check", [str(path)], {"out": picture, "json": True}, allow_outside, input_memory, allow_missing)
         document = json.loads(_called(line, None, None, threads))
         return Checkup(document, read_picture(picture))
+
+
+@dataclass(frozen=True)
+class Proposed:
+    """A project that was made for a scene and a photograph.
+
+    Attributes:
+        path: The project file.
+        summary: What was guessed, what looks wrong, and what to do next, as the command prints it.
+    """
+
+    path: Path
+    summary: str
+
+
+def init(
+    scene: StrPath,
+    photo: StrPath,
+    *,
+    out: StrPath | None = None,
+    threads: int | None = None,
+    allow_outside: bool = False,
+    allow_missing: bool = False,
+    input_memory: float | None = None,
+) -> Proposed:
+    """Makes a project file for a scene and a photograph.
+
+    Args:
+        scene: The path of the scene's file.
+        photo: The path of the photograph.
+        out: The project file to write, which must not exist; by default project.toml in the present folder.
+        threads: How many threads to use; by default one per core.
+        allow_outside: Whether scenes may name files outside their folder.
+        allow_missing: Whether a scene is read without the files that it names and that are missing.
+        input_memory: The memory that a scene or a picture may take while it is read, GiB.
+    """
+    path = Path("project.toml" if out is None else out)
+    line = words("init", [os.fspath(scene), os.fspath(photo)], {"out": path}, allow_outside, input_memory, allow_missing)
+    return Proposed(path, _called(line, None, None, threads))
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ impl Experiment {
         let (mut global, mut args) = cli::recover_args(words.map(PathBuf::into_os_string))?;
         args.effort = request.effort;
         global.console = Console::new(Arc::new(Warner::default()));
-        let (mut project, warnings) = Project::read(&args.project)?;
+        let (mut project, warnings) = Project::read(args.project()?)?;
         recover::settle(&args, &mut project, &global);
         let given = Job::load(project, warnings)?;
         let truth = materials::read(&request.truth)?;

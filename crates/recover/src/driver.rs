@@ -140,7 +140,8 @@ impl Driver<'_, '_> {
     }
 
     /// Gives the groups a texture whose pixels predict each other by one; while hypotheses are chosen, those whose light has
-    /// changed by that are compared again.
+    /// changed by that are compared again, and those that are not explained: what was left of the textured groups was
+    /// allowed for in theirs.
     fn find_textures<'a>(
         &mut self,
         mut present: Verified<'a>,
@@ -161,6 +162,7 @@ impl Driver<'_, '_> {
             return Ok(present);
         }
         self.candidates.ask_again(&self.changed(&present, &before, level));
+        self.candidates.ask_again(&self.candidates.open(&present.guess, level));
         self.choose(present)
     }
 
@@ -377,6 +379,7 @@ impl Driver<'_, '_> {
         if is_taken_back {
             self.progress.take_back(decisions);
         }
+        self.progress.show(&present.guess, self.options);
         (present, termination)
     }
 

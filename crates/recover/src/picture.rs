@@ -35,6 +35,7 @@ pub(crate) fn finish(
     let mean = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * (*a + *b)).collect();
     let noise = noise(&guess, &halves);
     let geometry = guess.problem.renderer.geometry();
+    let samples = halves[0].iter().zip(&halves[1]).map(|(a, b)| 0.5 * luminance(*a - *b)).collect();
     Recovery {
         groups,
         exposure: guess.exposure,
@@ -43,6 +44,7 @@ pub(crate) fn finish(
         lights: guess.light_results,
         photometric: guess.photometric,
         noise,
+        noise_sample: Image::new(geometry.width(), geometry.height(), samples),
         rerendered: RgbImage::new(geometry.width(), geometry.height(), mean),
         status: guess.observation.status.clone(),
         iterations: progress.iterations,

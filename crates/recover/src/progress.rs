@@ -6,7 +6,9 @@ use crate::hypothesis::Hypothesis;
 use crate::problem::{Options, Problem, Role};
 use crate::record::{Decision, GroupIteration, IterationRecord, Observer, Rule};
 use crate::schedule::{Phase, Schedule};
-use unrender_scene::Material;
+use crate::streams::Stream;
+use unrender_render::{Integrator, Settings};
+use unrender_scene::{Material, RgbImage};
 
 /// The course of a recovery.
 pub(crate) struct Progress<'o> {
@@ -56,6 +58,28 @@ impl<'o> Progress<'o> {
     /// Who watches.
     pub(crate) fn observer(&self) -> &dyn Observer {
         self.observer
+    }
+
+    /// Shows a picture of `guess`, if one is wanted.
+    pub(crate) fn show(&mut self, guess: &Guess<'_>, options: &Options) {
+        /// Paths a pixel, and pixels nearby share theirs: half of them is as noisy as a photograph at night, double takes
+        /// twice as long.
+        const SPP: u32 = 4;
+        if !self.observer.wants_picture() {
+            return;
+        }
+        let settings = Settings {
+            spp: SPP,
+            seed: Stream::RoughPicture.seed(options.seed),
+            max_bounces: options.max_bounces,
+            integrator: Integrator::PathReuse,
+            ..Settings::default()
+        };
+        let renderer = guess.problem.renderer;
+        let radiance = renderer.picture(guess.appearance(), &settings, &|_| {});
+        let values = radiance.into_iter().map(|radiance| radiance / guess.exposure).collect();
+        let (width, height) = (renderer.geometry().width(), renderer.geometry().height());
+        self.observer.picture(RgbImage::new(width, height, values));
     }
 
     /// Whether to stop with the present results.

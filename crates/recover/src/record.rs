@@ -31,6 +31,9 @@ pub struct Recovery {
     /// The standard deviation that noise gives the luminance of photograph minus re-rendering, the
     /// photograph's and the rendering's together, radiance; zero where no group is seen.
     pub noise: Image<f32>,
+    /// One sample of the noise of the re-rendering's luminance: half the difference of its two halves, radiance. Pixels
+    /// that share paths have it in common, which `noise` does not say.
+    pub noise_sample: Image<f32>,
     /// Which pixels of the photograph were valid in the end, and why others were not.
     pub status: Image<PixelStatus>,
     /// One record a global re-rendering.
@@ -316,6 +319,12 @@ pub trait Observer: Sync {
     /// Between iterations and during the last picture, from any thread: what is being done, in some words, and a
     /// rough share of the work that is done, 0 to 1.
     fn working(&self, what: &str, done: f64);
+    /// Whether a picture of the present state is wanted now; it takes as long as a few paths for each of its pixels.
+    fn wants_picture(&self) -> bool {
+        false
+    }
+    /// Receives it, in linear values of the photograph.
+    fn picture(&mut self, _rough: RgbImage) {}
     /// Whether to stop with the present results; asked between iterations.
     fn is_cancelled(&self) -> bool {
         false

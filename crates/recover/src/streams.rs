@@ -34,6 +34,8 @@ pub(crate) enum Stream {
     GroupErrors = 0xE220,
     /// The last picture.
     LastPicture = 0x5EED,
+    /// The pictures that are shown while it works.
+    RoughPicture = 0x6_20E1,
     /// The sketch by which a camera is judged.
     Sketch = 0x5_E7C4,
 }

@@ -93,7 +93,7 @@ fn of_rungs<T>(role_of_floor: Role, rungs: &[Hypothesis], solve: impl Fn(&Proble
     let settings = Settings { spp: 64, seed: 3, ..Settings::default() };
     let mut values = view.render(&scene.materials(), &settings, &|_| {}).mean;
     for (index, pixel) in values.pixels_mut().iter_mut().enumerate() {
-        let dark = (index % SIDE / 4 + index / SIDE / 4).is_multiple_of(2);
+        let dark = (index % SIDE / 8 + index / SIDE / 8).is_multiple_of(2);
         let on_wall = view.geometry().pixels()[index].group == 1;
         *pixel *= if dark && on_wall { 0.3 } else { 1.0 };
     }

@@ -1,7 +1,7 @@
 //! The command line: global flags, the subcommands, and the handling of errors.
 
 use crate::commands::{
-    calibrate, check, completions, export, farm, man, merge, merge_exposures, plan, recover,
+    calibrate, check, completions, export, farm, init, man, merge, merge_exposures, plan, recover,
     relight, render, report, restage, score, split,
 };
 pub use crate::global::Global;
@@ -32,6 +32,7 @@ const THREADS_ALWAYS: usize = 16;
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Init(init::Args),
     Recover(recover::Args),
     Calibrate(calibrate::Args),
     Check(check::Args),
@@ -184,6 +185,7 @@ fn helpful(asked: usize) -> usize {
 fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
     match &cli.command {
         Command::Recover(args) => recover::run(args, &cli.global),
+        Command::Init(args) => init::run(args, &cli.global),
         Command::Calibrate(args) => calibrate::run(args, &cli.global),
         Command::Check(args) => check::run(args, &cli.global),
         Command::Plan(args) => plan::run(args, &cli.global),

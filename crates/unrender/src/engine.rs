@@ -6,13 +6,14 @@
 pub use crate::recovered::{Recovered, Times};
 pub use crate::registration::Alignment;
 
-use crate::check::coplanar;
+use crate::check::{self, Finding, Gravity};
 use crate::photometric::{self, Number};
 use crate::problem::{self, with_problem};
 use crate::registered::RegisteredModel;
-use crate::{Error, Job, clear_shapes, readings, registration, same_as};
+use crate::{Error, Job, readings, registration, same_as, unusable};
 use std::ops::Range;
 use std::time::Instant;
+use unrender_formats::FileError;
 use unrender_paper::Paper;
 use unrender_photo::Exposure;
 use unrender_recover::{
@@ -20,7 +21,7 @@ use unrender_recover::{
 };
 use unrender_remote::Workers;
 use unrender_render::Tracer;
-use unrender_scene::{Image, Rgb};
+use unrender_scene::{Image, Rgb, RgbImage};
 
 /// The photometric parameters have converged if the photograph changes by less than this share.
 const NEAR: f64 = 0.005;
@@ -86,6 +87,10 @@ pub fn recover(
             let remedy = other_reading(job, factor);
             RecoverError::Unexplained { factor, unexplained, remedy }.into()
         }
+        Error::Recover(RecoverError::NothingSeen) => match unusable::why(job) {
+            Some(why) => FileError::new(&job.project.photo, why).into(),
+            None => error,
+        },
         error => error,
     })
 }
@@ -116,7 +121,8 @@ fn recover_as_read(
     let registered = register(job, &tracer, asked.alignment)?;
     let warnings = registered.iter().flat_map(|registered| &registered.warnings.0);
     warnings.for_each(|warning| follower.warning(warning));
-    warn_of_the_seen(job, &tracer, &registered, follower);
+    follower.working("checking the input", 0.0);
+    warn_of_findings(job, &tracer, &registered, follower);
     let until_registered = started.elapsed().as_secs_f64();
     let numbers = photometric::asked(&job.project);
     let mut begun = 0.0;
@@ -178,26 +184,42 @@ fn expected_seconds(job: &Job, asked: &Asked<'_>) -> Option<f64> {
         .then(|| unrender_recover::expected_seconds(unknown, pixels, &asked.options))
 }
 
-/// Warns of what the photographs of `job` show and a recovery cannot have: surfaces that let light through, and those
-/// that overlap in one plane.
-fn warn_of_the_seen(
+/// Warns of what `check` finds in `job`, the gravest first, before the work: no more than three of the grave findings
+/// at length. All are among the warnings of the result.
+fn warn_of_findings(
     job: &mut Job,
     tracer: &Tracer,
     registered: &[RegisteredModel],
     follower: &dyn Follower,
 ) {
+    /// At double of it nobody reads the first one.
+    const TOLD: usize = 3;
+    let mut all: Vec<Finding> = Vec::new();
     for (k, registered) in registered.iter().enumerate() {
-        let photo = &job.photo_of(k).radiance;
-        let geometry = tracer.geometry(&registered.camera, photo.width(), photo.height());
-        let clear = clear_shapes::told(job, &registered.camera, &geometry);
-        let clear = clear.map(|told| format!("{}{told}", job.called(k)));
-        let coplanar = coplanar::warnings(job, tracer, (&registered.camera, &geometry)).0;
-        for warning in clear.into_iter().chain(coplanar) {
-            if !job.warnings.0.contains(&warning) {
-                follower.warning(&warning);
-                job.warnings.push(warning);
+        let found = check::before_recovery(&job.alone(k), tracer, registered);
+        for Finding { gravity, sentence } in found {
+            let sentence = format!("{}{sentence}", job.called(k));
+            if !job.warnings.0.contains(&sentence) {
+                all.push(Finding { gravity, sentence });
             }
         }
+    }
+    all.sort_by_key(|finding| finding.gravity);
+    let sentences = |is_note: bool| {
+        let of = all.iter().filter(move |finding| (finding.gravity == Gravity::Note) == is_note);
+        of.map(|finding| finding.sentence.clone())
+    };
+    job.warnings.0.splice(0..0, sentences(false));
+    job.warnings.0.extend(sentences(true));
+    let grave = all.iter().filter(|finding| finding.gravity < Gravity::Note);
+    grave.clone().take(TOLD).for_each(|finding| follower.warning(&finding.sentence));
+    let more = grave.count().saturating_sub(TOLD);
+    if more > 0 {
+        let [things, them] = if more == 1 { ["thing", "it"] } else { ["things", "them"] };
+        let sentence = format!(
+            "{more} more {things} to check: see {them} in the report, or by `unrender check`"
+        );
+        follower.warning(&sentence);
     }
 }
 
@@ -306,6 +328,14 @@ impl Observer for Stage<'_> {
 
     fn working(&self, what: &str, done: f64) {
         self.follower.working(what, self.of_all(done));
+    }
+
+    fn wants_picture(&self) -> bool {
+        self.follower.wants_picture()
+    }
+
+    fn picture(&mut self, rough: RgbImage) {
+        self.follower.picture(rough);
     }
 
     fn is_cancelled(&self) -> bool {

@@ -130,6 +130,8 @@ mod fingerprint;
 #[cfg(feature = "cli")]
 mod global;
 #[cfg(feature = "cli")]
+mod growing_picture;
+#[cfg(feature = "cli")]
 mod interrupt;
 pub mod job;
 pub mod lighting;
@@ -138,6 +140,8 @@ pub mod listener;
 mod mask;
 #[cfg(feature = "cli")]
 mod output;
+#[cfg(feature = "cli")]
+mod own_project;
 mod photograph;
 mod photometric;
 pub mod plan;
@@ -149,6 +153,8 @@ mod progressive;
 #[cfg(feature = "cli")]
 mod progressive_render;
 pub mod project;
+#[cfg(feature = "cli")]
+pub mod proposed;
 mod readings;
 mod recovered;
 #[cfg(feature = "cli")]
@@ -173,6 +179,7 @@ mod sketch;
 mod text_file;
 mod text_table;
 mod toml_values;
+mod unusable;
 mod working_size;
 
 pub use error::Error;

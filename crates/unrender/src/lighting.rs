@@ -313,6 +313,6 @@ impl EnvironmentChoice {
 }
 
 /// The same `radiance` from everywhere, which is finite and not negative: a panorama of one pixel.
-fn uniform(radiance: Rgb) -> Option<Environment> {
+pub(crate) fn uniform(radiance: Rgb) -> Option<Environment> {
     Environment::new(RgbImage::new(1, 1, vec![radiance]), 0.0).ok()
 }

@@ -61,6 +61,15 @@ impl Progress {
         }
     }
 
+    /// Tells something that is no progress, above the bar; a listener does not hear it.
+    pub(crate) fn tell(&self, text: &str) {
+        match &self.sink {
+            Sink::Silent | Sink::Listener(_) => {}
+            Sink::Bar(bar, _) => bar.suspend(|| output::tell(text)),
+            Sink::Lines(_) => output::tell(text),
+        }
+    }
+
     /// Reports the seconds that the work takes on an ordinary machine.
     pub(crate) fn expect(&self, seconds: f64) {
         match &self.sink {

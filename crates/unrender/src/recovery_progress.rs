@@ -2,11 +2,12 @@
 //! results so far.
 
 use crate::engine::Follower;
+use crate::growing_picture::GrowingPicture;
 use crate::interrupt::Pausable;
 use crate::progress::Progress;
 use crate::recovery_journal::RecoveryJournal;
 use unrender_recover::{IterationRecord, Observer};
-use unrender_scene::Warnings;
+use unrender_scene::{RgbImage, Warnings};
 
 /// Passes on the progress of a recovery.
 pub(crate) struct RecoveryProgress<'a> {
@@ -18,6 +19,8 @@ pub(crate) struct RecoveryProgress<'a> {
     pub(crate) pausable: Pausable,
     /// The journal of the recovery, if it has one.
     pub(crate) journal: Option<&'a RecoveryJournal>,
+    /// The picture that is shown while it works, if there is one.
+    pub(crate) growing: Option<GrowingPicture<'a>>,
 }
 
 impl Follower for RecoveryProgress<'_> {
@@ -38,6 +41,16 @@ impl Observer for RecoveryProgress<'_> {
 
     fn working(&self, what: &str, done: f64) {
         self.progress.work_on(what, self.share * done);
+    }
+
+    fn wants_picture(&self) -> bool {
+        self.growing.as_ref().is_some_and(GrowingPicture::is_due)
+    }
+
+    fn picture(&mut self, rough: RgbImage) {
+        if let Some(told) = self.growing.as_mut().and_then(|growing| growing.show(&rough)) {
+            self.progress.tell(&told);
+        }
     }
 
     fn is_cancelled(&self) -> bool {

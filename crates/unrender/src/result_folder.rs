@@ -108,6 +108,51 @@ impl ResultFolder {
         self
     }
 
+    /// Whether materials of an earlier run are there.
+    pub(crate) fn has_results(&self) -> bool {
+        self.path.join(MATERIALS).exists()
+    }
+
+    /// Lets `make` write the file `name` before the results it belongs to are whole, again and again, and returns its
+    /// place.
+    ///
+    /// # Errors
+    /// Those of `make`; or if it cannot be written.
+    pub(crate) fn grow(
+        &self,
+        name: &str,
+        make: impl FnOnce(&Path) -> Result<(), Error>,
+    ) -> Result<PathBuf, Error> {
+        let _until_written = interrupt::writing();
+        let staging = atomic::staging(&self.path).map_err(|error| self.unwritable(&error))?;
+        make(&staging.path().join(name))?;
+        let to = self.path.join(name);
+        let mut manifest = Manifest::read(&self.path)?;
+        let sha256 = manifest::hash(&staging.path().join(name)).map_err(|e| self.unwritable(&e))?;
+        let entry = Entry { sha256, by: self.command.to_owned(), denoised: false };
+        manifest.files.insert(name.to_owned(), entry);
+        manifest.write(&self.path)?;
+        atomic::move_file(&staging.path().join(name), &to)?;
+        Ok(to)
+    }
+
+    /// Removes the file `name` that has grown, where no results came of it.
+    pub(crate) fn remove_grown(&self, name: &str) {
+        let Ok(mut manifest) = Manifest::read(&self.path) else { return };
+        let is_ours = manifest.files.get(name).is_some_and(|entry| entry.by == self.command);
+        if self.has_results() || !is_ours {
+            return;
+        }
+        manifest.files.remove(name);
+        // What cannot be removed does no harm.
+        let _ = fs::remove_file(self.path.join(name));
+        if manifest.files.is_empty() {
+            let _ = fs::remove_file(self.path.join(Manifest::FILE));
+        } else {
+            let _ = manifest.write(&self.path);
+        }
+    }
+
     /// Lets `make` write into a new folder, and then moves its files to their names. Files of
     /// earlier runs stay only if `keeps`. Ctrl-C waits until all is done.
     ///

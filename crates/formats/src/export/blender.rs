@@ -13,7 +13,7 @@ use crate::texels;
 use glam::Mat4;
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_2;
-use unrender_scene::{Camera, LightKind, Material, Reflectance, Warnings};
+use unrender_scene::{Camera, LightKind, Material, Reflectance, Rgb, Warnings};
 
 /// The program that builds the scene.
 const SCRIPT: &str = include_str!("blender/scene.py");
@@ -97,28 +97,61 @@ fn group(
             ));
         }
     }
-    let (smooth, rough) =
-        (material.alpha_x.min(material.alpha_y), material.alpha_x.max(material.alpha_y));
-    let ratio = if tiling::is_anisotropic(material) { smooth / rough } else { 1.0 };
+    let inputs = BlenderInputs::of(material);
     Ok(json!({
         "name": group.name,
         "rho_d": triple(material.rho_d),
         "rho_s": triple(material.rho_s),
         "reflectance": material.reflectance.name(),
-        "ior": ior(material),
+        "base_color": triple(inputs.base_color),
+        "metallic": inputs.is_metal,
+        "ior": inputs.ior.map(number),
         "microfacets": if shot.scene.brdf.is_ggx() { "GGX" } else { "BECKMANN" },
-        "alpha": number((smooth * rough).sqrt()),
-        "anisotropy": number(1.0 - ratio.sqrt()),
+        "roughness": number(inputs.roughness),
+        "anisotropy": number(inputs.anisotropy),
         "emission": triple(group.emission),
         "texture": picture,
     }))
 }
 
-/// The refractive index of a dielectric.
-fn ior(material: &Material) -> Value {
-    match material.reflectance {
-        Reflectance::Dielectric { ior, .. } => json!(number(ior)),
-        Reflectance::Free | Reflectance::Metal { .. } => Value::Null,
+/// What a material is in Blender: values of the inputs of its shader nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BlenderInputs {
+    /// *Base Color* of the Principled BSDF, linear RGB; of a textured material the mean of the texture.
+    pub base_color: Rgb,
+    /// *Roughness* of the node that has the lobe: the square root of alpha; one without a lobe.
+    pub roughness: f32,
+    /// Whether *Metallic* is one.
+    pub is_metal: bool,
+    /// *IOR* of a dielectric.
+    pub ior: Option<f32>,
+    /// *Anisotropy* of the Glossy BSDF.
+    pub anisotropy: f32,
+    /// Whether the lobe is a Glossy BSDF beside the Principled one, with the colour rho_s.
+    pub is_glossy: bool,
+}
+
+impl BlenderInputs {
+    /// The inputs for a material whose lobe is one of Blender's.
+    pub fn of(material: &Material) -> Self {
+        let (x, y) = (material.alpha_x, material.alpha_y);
+        let (smooth, rough) = (x.min(y), x.max(y));
+        let ratio = if tiling::is_anisotropic(material) { smooth / rough } else { 1.0 };
+        let is_metal = matches!(material.reflectance, Reflectance::Metal { .. });
+        let is_free = material.reflectance.is_free();
+        let is_glossy = is_free && material.rho_s.max_element() > 0.0;
+        let is_matte = is_free && !is_glossy;
+        Self {
+            base_color: if is_metal { material.rho_s } else { material.rho_d },
+            roughness: if is_matte { 1.0 } else { (smooth * rough).sqrt().sqrt() },
+            is_metal,
+            ior: match material.reflectance {
+                Reflectance::Dielectric { ior, .. } => Some(ior),
+                Reflectance::Free | Reflectance::Metal { .. } => None,
+            },
+            anisotropy: 1.0 - ratio.sqrt(),
+            is_glossy,
+        }
     }
 }
 

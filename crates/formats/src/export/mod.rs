@@ -18,6 +18,8 @@ mod ply;
 mod radiance;
 mod tiling;
 
+pub use blender::BlenderInputs;
+
 use crate::{FileError, LightUnits, atomic, gltf};
 use std::fmt;
 use std::path::Path;

@@ -43,10 +43,22 @@ pub(crate) fn is_possible(guess: &Guess<'_>, group: usize) -> Result<(), String>
 /// What texels predict of `group` by so much light; none without texture coordinates.
 pub(crate) fn look(guess: &Guess<'_>, group: usize, budget: &SampleBudget) -> Option<Found> {
     let pixels = &guess.observation.pixels_of_group[group];
-    let uniform = Material { texture: None, ..guess.materials[group].clone() };
+    let uniform = uniforms(guess, group);
     let bounds = &guess.problem.groups[group].expected.bounds;
     let (stage, appearance) = (guess.stage(), guess.appearance());
     texture::look(&stage, appearance, (group, pixels), (&uniform, bounds), budget)
+}
+
+/// What a texture of `group` has to predict better than: its present reflectance, and that of the candidates which left
+/// least when it was asked last. Light that is wrong may have spoken for a simpler one, and the texture would be what that
+/// one lacks.
+fn uniforms(guess: &Guess<'_>, group: usize) -> Vec<Material> {
+    let log = &guess.groups[group].selection_log;
+    let last = log.last().map(|last| last.iteration);
+    let asked = log.iter().filter(|candidate| Some(candidate.iteration) == last);
+    let best = asked.min_by(|a, b| a.residual.with_noise.total_cmp(&b.residual.with_noise));
+    let present = Material { texture: None, ..guess.materials[group].clone() };
+    best.map(|best| best.material.clone()).into_iter().chain([present]).collect()
 }
 
 /// The texture of `group` under this `lobe` in the present light; none without texture coordinates.

@@ -29,13 +29,13 @@ pub(crate) struct Found {
     pub(crate) pattern: Pattern,
 }
 
-/// What texels predict of `pixels` of a group, whose best uniform reflectance is `uniform` within these bounds; none without
-/// texture coordinates.
+/// What texels predict of `pixels` of a group beyond its `uniform` reflectances, of which the last is the present one,
+/// within these bounds; none without texture coordinates.
 pub(crate) fn look(
     stage: &Stage<'_>,
     appearance: Appearance<'_>,
     (group, pixels): (usize, &[u32]),
-    (uniform, bounds): (&Material, &ParameterBounds),
+    (uniform, bounds): (&[Material], &ParameterBounds),
     budget: &SampleBudget,
 ) -> Option<Found> {
     let geometry = stage.renderer.geometry();
@@ -66,19 +66,22 @@ pub(crate) fn look(
         judge.roughness(&plain, &lobes)
     });
     let lobe = roughness.flatten().map_or(black, |alpha| plastic::of_alpha(model, alpha));
-    let of_uniform = lit(uniform);
-    let shown = [0, 1].map(|half: usize| -> Vec<Rgb> {
-        let both = of_uniform.base[half].iter().zip(&of_uniform.shine[half]);
-        both.map(|(base, shine)| uniform.rho_d * *base + *shine).collect()
-    });
+    let shown = |uniform: &Material| {
+        let lit = lit(uniform);
+        [0, 1].map(|half: usize| -> Vec<Rgb> {
+            let both = lit.base[half].iter().zip(&lit.shine[half]);
+            both.map(|(base, shine)| uniform.rho_d * *base + *shine).collect()
+        })
+    };
+    let shown: Vec<[Vec<Rgb>; 2]> = uniform.iter().map(shown).collect();
     let pattern = judge.predicted(&lit(&lobe), &shown);
     Some(Found { lobe, pattern })
 }
 
-/// The roughnesses that are tried: [`ALPHAS`], and that of `uniform` if it is a plastic, ascending.
-fn roughnesses(uniform: &Material) -> Vec<f32> {
-    let is_plastic = uniform.is_glossy() && !uniform.reflectance.is_free();
-    let own = is_plastic.then_some((uniform.alpha_x * uniform.alpha_y).sqrt());
+/// The roughnesses that are tried: [`ALPHAS`], and those of `uniform` that are plastics, ascending.
+fn roughnesses(uniform: &[Material]) -> Vec<f32> {
+    let plastics = uniform.iter().filter(|of| of.is_glossy() && !of.reflectance.is_free());
+    let own = plastics.map(|of| (of.alpha_x * of.alpha_y).sqrt());
     let mut all: Vec<f32> = ALPHAS.into_iter().chain(own).collect();
     all.sort_by(f32::total_cmp);
     all.dedup();

@@ -154,22 +154,22 @@ impl Judge {
         (gain.certainty() > CERTAIN).then(|| vertex(&alphas, &errors, best))
     }
 
-    /// What texels under the lobe of `lit` predict beyond what a uniform reflectance of the light `uniform` does, twice.
-    pub(super) fn predicted(&self, lit: &Lit, uniform: &[Vec<Rgb>; 2]) -> Pattern {
+    /// What texels under the lobe of `lit` predict beyond what uniform reflectances do, which show `uniform`, twice.
+    pub(super) fn predicted(&self, lit: &Lit, uniform: &[[Vec<Rgb>; 2]]) -> Pattern {
         let relative = Relative::of(lit, self);
-        let other = self.over(&lit.shown, uniform);
+        let others: Vec<_> = uniform.iter().map(|shows| self.over(&lit.shown, shows)).collect();
         let of_scale = |scale: &Scale| {
             let weights = self.weights(scale);
-            let alone = self.slow(&relative, scale, &weights);
-            let other = self.left(&other, scale, &weights);
+            let mut uniform = vec![self.slow(&relative, scale, &weights)];
+            uniform.extend(others.iter().map(|other| self.left(other, scale, &weights)));
             let of = |alike: &f32| {
                 let textured = self.textured(&relative, scale, &weights, *alike);
-                // The texture has to beat both.
-                let both =
-                    [&alone, &other].map(|left| self.pattern(scale, &weights, [left, &textured]));
-                if both[0].certainty() < both[1].certainty() { both[0] } else { both[1] }
+                // The texture has to beat all of them.
+                let beaten =
+                    uniform.iter().map(|left| self.pattern(scale, &weights, [left, &textured]));
+                beaten.min_by(|a, b| a.certainty().total_cmp(&b.certainty()))
             };
-            let best = ALIKE.iter().map(of).max_by(|a, b| a.gain.total_cmp(&b.gain));
+            let best = ALIKE.iter().filter_map(of).max_by(|a, b| a.gain.total_cmp(&b.gain));
             best.map(|best| Pattern { contrast: best.contrast / scale.contrast, ..best })
         };
         let all = SCALES.iter().filter_map(of_scale);

@@ -72,7 +72,8 @@ fn predicted(period: f32, pixels: impl Fn(usize, usize) -> Pixel) -> Pattern {
     let uniform = [0, 1].map(|h: usize| -> Vec<Rgb> {
         all.iter().map(|p| Rgb::splat(0.4 * p.known[h] + p.lobe)).collect()
     });
-    Judge::of(&lit, &geometry).unwrap().predicted(&lit, &uniform)
+    let plain = [0, 1].map(|h: usize| all.iter().map(|p| Rgb::splat(0.4 * p.known[h])).collect());
+    Judge::of(&lit, &geometry).unwrap().predicted(&lit, &[uniform, plain])
 }
 
 /// A picture that is smooth over so many pixels, without repeats.

@@ -3,8 +3,10 @@
 //! Run from the root of the workspace:
 //!
 //! ```text
-//! cargo run --release --example make_room [FOLDER]
+//! cargo run --release --example make_room [FOLDER [SPP [BRDF [HEIGHT]]]]
 //! ```
+//!
+//! By default the photograph has 1024 samples per pixel and 360 rows, and the lobes are those of `ward-gmd`.
 //!
 //! It writes the scene as a user would model it (`scene.glb`, all materials grey), the photograph
 //! (`photo.png`: 8 bits, sRGB, with the noise of a sensor), the project (`room.toml`), and the
@@ -27,7 +29,7 @@ use unrender::formats::materials::{GroupEntry, MaterialsFile, Status, StatusEntr
 use unrender::formats::{atomic, gltf, materials, picture};
 use unrender::recover::hypothesis::{self, Hypothesis};
 use unrender::render::{Settings, Tracer};
-use unrender::scene::{Group, Material, Rgb, Scene};
+use unrender::scene::{BrdfModel, Group, Material, Rgb, Scene};
 
 /// Scene radiance of a linear pixel value of one, such that only the lamps are clipped.
 const EXPOSURE: f32 = 0.65;
@@ -44,13 +46,18 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(spp) => spp.to_string_lossy().parse()?,
         None => SPP,
     };
+    let brdf = arguments.next().map(|brdf| brdf.to_string_lossy().parse::<BrdfModel>());
+    let rows = arguments.next().map(|rows| rows.to_string_lossy().parse::<usize>());
+    let rows = rows.transpose()?.unwrap_or(room::SIZE.1);
+    let size = (rows * room::SIZE.0 / room::SIZE.1, rows);
     std::fs::create_dir_all(&folder)?;
     let mut scene = room::scene();
+    scene.brdf = brdf.transpose()?.unwrap_or(scene.brdf);
     for warning in scene.validate()?.0 {
         eprintln!("warning: {warning}");
     }
     write_truth(&scene, &folder)?;
-    write_photo(&scene, &folder, spp)?;
+    write_photo(&scene, &folder, (spp, size))?;
     atomic::write(&folder.join("room.toml"), project(&scene).as_bytes())?;
     scene.groups.iter_mut().filter(|g| !g.is_emitter()).for_each(|group| {
         group.material = Material::diffuse(Rgb::splat(GREY));
@@ -60,11 +67,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn write_photo(scene: &Scene, folder: &Path, spp: u32) -> Result<(), Box<dyn Error>> {
+fn write_photo(
+    scene: &Scene,
+    folder: &Path,
+    (spp, size): (u32, (usize, usize)),
+) -> Result<(), Box<dyn Error>> {
     let settings = Settings { spp, seed: SEED, ..Settings::default() };
     let camera = &scene.cameras[0];
     let materials = scene.materials();
-    let film = Tracer::new(scene).render(&materials, camera, room::SIZE, &settings, &|_| ());
+    let film = Tracer::new(scene).render(&materials, camera, size, &settings, &|_| ());
     picture::write(&folder.join("photo.png"), &sensor::expose(&film.mean, EXPOSURE, SEED))?;
     Ok(())
 }

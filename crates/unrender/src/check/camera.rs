@@ -1,10 +1,10 @@
 //! Checks of the camera's place and the units: what fills the picture, and how far away it is.
 
+use super::finding::{Findings, Gravity};
 use super::{Subject, length};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use unrender_render::NOTHING;
-use unrender_scene::Warnings;
 
 /// A picture that shows nothing of the model in more than this share of its pixels is doubtful.
 const EMPTY: f32 = 0.5;
@@ -18,25 +18,25 @@ const IN_THE_WAY: f32 = 0.25;
 const SIZES: [f32; 2] = [0.02, 100.0];
 
 /// Warnings of what the camera sees.
-pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
-    let mut warnings = Warnings::default();
+pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
+    let mut found = Findings::default();
     let pixels = subject.geometry.pixels();
     let share = |count: usize| count as f32 / pixels.len().max(1) as f32;
     let empty = share(pixels.iter().filter(|p| p.object == NOTHING).count());
     if empty > EMPTY {
-        warnings.push(format!(
+        found.push(Gravity::All, format!(
             "{:.0} % of the picture show nothing of the model: does the camera stand in the right \
              place and look the right way? See `unrender calibrate`",
             100.0 * empty
         ));
     }
-    warnings.extend(in_the_way(subject));
-    warnings.extend(units(subject));
-    warnings
+    found.extend(in_the_way(subject));
+    found.extend(units(subject));
+    found
 }
 
-fn in_the_way(subject: &Subject<'_>) -> Warnings {
-    let mut warnings = Warnings::default();
+fn in_the_way(subject: &Subject<'_>) -> Findings {
+    let mut found = Findings::default();
     let pixels = subject.geometry.pixels();
     let [low, high] = subject.bounds();
     let near = NEAR * low.distance(high);
@@ -52,36 +52,36 @@ fn in_the_way(subject: &Subject<'_>) -> Warnings {
     for (&object, &[_, behind, close]) in &counts {
         let name = subject.object_name(object);
         if much(behind, AROUND) && subject.job.scene.objects.len() > 1 {
-            warnings.push(format!(
+            found.push(Gravity::All, format!(
                 "the picture shows little but object \"{name}\" from behind: does the camera stand \
                  inside it?"
             ));
         } else if much(close, IN_THE_WAY) {
-            warnings.push(format!(
+            found.push(Gravity::All, format!(
                 "object \"{name}\" fills much of the picture from less than {} away: does it stand \
                  in the camera's way, or the camera inside it?",
                 length(near)
             ));
         }
     }
-    warnings
+    found
 }
 
 /// Scenes of a size that no room has.
-fn units(subject: &Subject<'_>) -> Warnings {
-    let mut warnings = Warnings::default();
-    let Some(size) = seen_size(subject) else { return warnings };
+fn units(subject: &Subject<'_>) -> Findings {
+    let mut found = Findings::default();
+    let Some(size) = seen_size(subject) else { return found };
     let [least, most] = SIZES;
     if size > most || size < least {
         let unit = if size > most { "centimetres or millimetres" } else { "another unit" };
-        warnings.push(format!(
+        found.push(Gravity::Part, format!(
             "the part of the scene in the picture is {} across; scenes are in metres. If it was \
              modelled in {unit}, export it scaled to metres: point and spot lights and the \
              camera's place depend on it",
             length(size)
         ));
     }
-    warnings
+    found
 }
 
 /// The size of the visible part of the scene along its longest side, without a tenth of the pixels

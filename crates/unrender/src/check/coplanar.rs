@@ -4,6 +4,7 @@
 //! Points of what the picture shows, and of the fronts of area lights that it could see, are looked for in the triangles
 //! of all other groups. A box that stands on the floor does no harm: nothing sees its lower side.
 
+use super::finding::{Findings, Gravity};
 use super::lights::{SurfacePoint, area, is_free, spread_over};
 use super::{length, some, surface_behind};
 use crate::Job;
@@ -12,7 +13,7 @@ use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use unrender_render::accel::offset;
 use unrender_render::{GeometryBuffers, NOTHING, Tracer};
-use unrender_scene::{Camera, Object, Scene, Warnings};
+use unrender_scene::{Camera, Object, Scene};
 
 /// Points of each object that are examined: an overlap of a sixteenth of it has four on average. At half of it, two, and
 /// many are missed; double of it takes twice as long.
@@ -45,11 +46,11 @@ impl Sample {
 }
 
 /// Warnings of the surfaces that `camera` sees in the scene of `job`, or that light these.
-pub(crate) fn warnings(
+pub(super) fn warnings(
     job: &Job,
     tracer: &Tracer,
     (camera, geometry): (&Camera, &GeometryBuffers),
-) -> Warnings {
+) -> Findings {
     let scene = &job.scene;
     let mut samples = seen(tracer, camera, geometry);
     samples.extend(lamps(scene, tracer, &samples));
@@ -63,7 +64,7 @@ pub(crate) fn warnings(
             of_large.1 = of_large.1.max(offset);
         }
     }
-    let mut warnings = Warnings::default();
+    let mut found = Findings::default();
     let name = |object: &usize| scene.objects[*object].name.as_str();
     for (large, (small, offset)) in &behind {
         let names: Vec<&str> = small.iter().map(name).collect();
@@ -71,7 +72,7 @@ pub(crate) fn warnings(
             [_] => ["lies", "overlaps", "it"],
             _ => ["lie", "overlap", "them"],
         };
-        warnings.push(format!(
+        found.push(Gravity::Part, format!(
             "{} {lie} in the plane of \"{}\" and {overlap} it: which of them is seen and gets light is random, and light is \
              lost. Move {it} out by {} or more, or cut the other one away there",
             some(&names),
@@ -79,7 +80,7 @@ pub(crate) fn warnings(
             length(APART * offset),
         ));
     }
-    warnings
+    found
 }
 
 /// Points of all objects that the picture shows.

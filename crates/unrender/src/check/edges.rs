@@ -1,13 +1,14 @@
 //! The model's edges on the photograph: where they fit, where they are off, and where the photograph
 //! shows none; the search is in [`unrender_register`].
 
+use super::finding::{Findings, Gravity};
 use super::{Subject, some};
 use crate::registration::{CLEAR, OBJECT_NOTABLE};
 use glam::Vec2;
 use serde::Serialize;
 use unrender_register::edges::{Edgel, edgels, finer};
 use unrender_register::offset::EdgePicture;
-use unrender_scene::{Camera, Warnings};
+use unrender_scene::Camera;
 
 /// Edges that are off by no more than this fit, pixels.
 const FITS: f32 = 1.0;
@@ -147,18 +148,25 @@ fn agreed(found: &[Edgel], offsets: &[Option<f32>], width: usize) -> Vec<Option<
     offsets.iter().enumerate().map(keep).collect()
 }
 
-/// Warnings of a model that lies elsewhere than in the photograph.
-pub(super) fn warnings(subject: &Subject<'_>, edges: &Edges) -> Warnings {
-    let mut warnings = Warnings::default();
+/// The finding of a photograph that is not of this model.
+pub(super) fn foreign(subject: &Subject<'_>, edges: &Edges) -> Findings {
+    let mut findings = Findings::default();
     let size = (subject.geometry.width(), subject.geometry.height());
     let enough = edges.points.len() >= PIXELS_MIN * finer(size);
     if enough && edges.fit + edges.off < FITTING {
-        warnings.push(
+        findings.push(
+            Gravity::All,
             "hardly any of the model's edges are found in the photo: is it the photo of this model, \
              and the camera right? `unrender calibrate` finds it from measured points",
         );
     }
-    let Some(found) = &subject.registered.registration else { return warnings };
+    findings
+}
+
+/// The findings of a model that lies elsewhere than in the photograph.
+pub(super) fn displaced(subject: &Subject<'_>, edges: &Edges) -> Findings {
+    let mut findings = Findings::default();
+    let Some(found) = &subject.registered.registration else { return findings };
     let side = subject.job.side as f32;
     if found.displacement > CLEAR {
         let done = if edges.camera_is_off {
@@ -166,22 +174,24 @@ pub(super) fn warnings(subject: &Subject<'_>, edges: &Edges) -> Warnings {
         } else {
             "a quick rendering from there is not nearer to the photo, so a recovery keeps the camera"
         };
-        warnings.push(format!(
+        let sentence = format!(
             "the model's edges lie {:.1} pixels from the photo's (on the median): {done}. \
              `unrender calibrate` with more points, or a lens with distortion, may do better",
             side * found.displacement
-        ));
+        );
+        findings.push(Gravity::Part, sentence);
     }
     let off: Vec<String> = (subject.job.scene.objects.iter().zip(&found.own))
         .filter(|(_, off)| **off > OBJECT_NOTABLE)
         .map(|(object, off)| format!("{} ({:.1} pixels)", some(&[&object.name]), side * off))
         .collect();
     if !off.is_empty() {
-        warnings.push(format!(
+        let sentence = format!(
             "these objects lie beside their place in the photo: {}. Move them in the model; pixels \
              that close to their edges do not count",
             off.join(", ")
-        ));
+        );
+        findings.push(Gravity::Part, sentence);
     }
-    warnings
+    findings
 }

@@ -1,11 +1,11 @@
 //! Group by group: how many pixels show it and are valid, whether it is lit, and what shows its
 //! roughness.
 
+use super::finding::{Findings, Gravity};
 use super::identifiability::RoughnessCue;
 use super::{Subject, some};
 use serde::Serialize;
 use unrender_recover::{PixelStatus, Role};
-use unrender_scene::Warnings;
 
 /// Below this many valid pixels, the noise of a photograph shows in the second digit.
 const FEW: usize = 40;
@@ -97,8 +97,8 @@ fn role(subject: &Subject<'_>, group: usize) -> String {
 }
 
 /// Warnings of groups with too few pixels or too little light.
-pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
-    let mut warnings = Warnings::default();
+pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
+    let mut found = Findings::default();
     let unknown = || (0..subject.specs.len()).filter(|&g| subject.specs[g].role == Role::Unknown);
     let named = |groups: &dyn Fn(usize) -> bool| -> Vec<&str> {
         unknown().filter(|&g| groups(g)).map(|g| subject.group_name(g)).collect()
@@ -106,36 +106,59 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     let all = |g: usize| subject.observation.all_pixels_of_group[g].len();
     let unseen = named(&|g| all(g) == 0);
     if !unseen.is_empty() {
-        warnings.push(format!(
+        found.push(Gravity::Note, format!(
             "no pixel shows {}: a group that is not seen is recovered only from the light that it \
              sends to other surfaces; if you know its reflectance, state it as known in \
              [groups.NAME]",
             some(&unseen)
         ));
     }
-    for check in unknown().map(|g| one(subject, g)).filter(|check| check.pixels > 0) {
-        let GroupCheck { name, pixels, valid, clipped, .. } = &check;
-        if *clipped as f32 > CLIPPED * *pixels as f32 {
-            warnings.push(format!(
-                "group \"{name}\": {clipped} of its {pixels} pixels are clipped, masked, in the \
-                 noise of black or without a measurement; take a photo of another exposure"
-            ));
-        } else if *valid < FEW {
-            warnings.push(format!(
-                "group \"{name}\" has only {valid} valid pixel(s) of {pixels}; give it the \
-                 material of a larger, similar group, state it as known, or use a larger photo"
-            ));
-        }
+    let checked: Vec<GroupCheck> =
+        unknown().map(|g| one(subject, g)).filter(|check| check.pixels > 0).collect();
+    let is_clipped = |check: &&GroupCheck| check.clipped as f32 > CLIPPED * check.pixels as f32;
+    let (clipped, others): (Vec<&GroupCheck>, Vec<&GroupCheck>) =
+        checked.iter().partition(is_clipped);
+    let few: Vec<&GroupCheck> = others.into_iter().filter(|check| check.valid < FEW).collect();
+    if !clipped.is_empty() {
+        let sentence = format!(
+            "most pixels of {} are clipped, masked, in the noise of black or without a measurement; take a photo of \
+             another exposure",
+            counted(&clipped, |check| format!("{} of {}", check.clipped, check.pixels))
+        );
+        found.push(Gravity::Note, sentence);
+    }
+    if !few.is_empty() {
+        let sentence = format!(
+            "fewer than {FEW} valid pixels show {}; give it the material of a larger, similar group, state it as known, \
+             or use a larger photo",
+            counted(&few, |check| check.valid.to_string())
+        );
+        found.push(Gravity::Note, sentence);
     }
     let light = |g: usize| subject.identifiabilities[g].map(|p| p.light);
     let usual = super::median((0..subject.specs.len()).filter_map(light)).unwrap_or(0.0);
     let dark = named(&|g| light(g).is_some_and(|light| light <= DARK * usual));
     if !dark.is_empty() {
-        warnings.push(format!(
+        found.push(Gravity::Part, format!(
             "next to no light reaches {}: the reflectance of a surface in the dark cannot be recovered; is a lamp \
              missing from the scene, or something in its way?",
             some(&dark)
         ));
     }
-    warnings
+    found
+}
+
+/// The names of groups with a number each, the largest groups first, no more than a few.
+fn counted(groups: &[&GroupCheck], number: impl Fn(&GroupCheck) -> String) -> String {
+    const MOST: usize = 5;
+    let mut groups = groups.to_vec();
+    groups.sort_by_key(|check| std::cmp::Reverse(check.pixels));
+    let named = |check: &&GroupCheck| format!("\"{}\" ({})", check.name, number(check));
+    let named: Vec<String> = groups.iter().take(MOST).map(named).collect();
+    let more = match groups.len().saturating_sub(MOST) {
+        0 => String::new(),
+        1 => " and one more group".to_owned(),
+        more => format!(" and {more} more groups"),
+    };
+    named.join(", ") + &more
 }

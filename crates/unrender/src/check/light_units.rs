@@ -1,22 +1,22 @@
 //! Lights in the units of another Lighting Mode of Blender's export: by the brightness of the photograph under each
 //! reading, or, where that decides nothing, by the power of real lamps.
 
-use super::{Subject, identifiabilities, photograph};
+use super::finding::{Findings, Gravity};
+use super::{Subject, capitalised, identifiabilities, photograph};
 use crate::readings::{self, Reading};
 use unrender_recover::View;
 use unrender_render::Tracer;
-use unrender_scene::Warnings;
 
 /// Photograph and grey rendering agree up to this factor: half of the least step between two readings.
 const NEAR: f64 = 3.5;
 
 /// Warnings of the units of the lights.
-pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
-    let mut warnings = Warnings::default();
+pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
+    let mut found = Findings::default();
     let job = subject.job;
     let others = readings::others(job);
     if others.is_empty() {
-        return warnings;
+        return found;
     }
     match photograph::factor(subject, subject.identifiabilities) {
         Some(factor) if is_near(factor) => {}
@@ -24,30 +24,33 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
             let fits =
                 others.iter().filter_map(|reading| Some((reading, by_photo(subject, reading)?)));
             let nearest = fits.min_by(|a, b| a.1.ln().abs().total_cmp(&b.1.ln().abs()));
-            if let Some((reading, then)) = nearest.filter(|(_, then)| is_near(*then)) {
+            // A reading that changes less than half a step decides nothing.
+            let is_nearer = |then: f64| factor.ln().abs() - then.ln().abs() > NEAR.ln();
+            let nearest = nearest.filter(|(_, then)| is_near(*then) && is_nearer(*then));
+            if let Some((reading, then)) = nearest {
                 let units = reading.units;
-                warnings.push(format!(
+                found.push(Gravity::All, format!(
                     "read as \"{units}\", the lights fit the photo: in middle grey the photo is {} times as \
                      bright as the scene is now, and would be {then:.1} times as bright; {}. {}",
                     if factor >= 1.0 { format!("{factor:.0}") } else { format!("{factor:.4}") },
                     reading.lamp(job),
-                    sentence(&readings::remedy(units))
+                    capitalised(&readings::remedy(units))
                 ));
             }
         }
         None => {
             for reading in others.iter().filter(|reading| reading.is_plausible(job)) {
                 let units = reading.units;
-                warnings.push(format!(
+                found.push(Gravity::All, format!(
                     "as the lights are read, each is too bright or too faint for a real lamp; as \"{units}\" all are plausible: \
                      {}. {}",
                     reading.lamp(job),
-                    sentence(&readings::remedy(units))
+                    capitalised(&readings::remedy(units))
                 ));
             }
         }
     }
-    warnings
+    found
 }
 
 fn is_near(factor: f64) -> bool {
@@ -61,10 +64,4 @@ fn by_photo(subject: &Subject<'_>, reading: &Reading) -> Option<f64> {
     let (width, height) = (subject.geometry.width(), subject.geometry.height());
     let view = View::new(&tracer, &subject.registered.camera, (width, height), scene.brdf);
     photograph::factor(subject, &identifiabilities(&view, subject.observation, subject.specs))
-}
-
-/// `text` with a capital letter.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

@@ -3,6 +3,7 @@
 //! Straight lines are tested from each light to points of the picture. If a light reaches none, or
 //! shines right onto something, rays around it find what is in its way.
 
+use super::finding::{Findings, Gravity};
 use super::{Subject, length, surface_behind};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -10,7 +11,7 @@ use std::f32::consts::TAU;
 use unrender_render::accel::{Ray, offset};
 use unrender_render::surface::Frame;
 use unrender_render::{NOTHING, Tracer};
-use unrender_scene::{Light, LightKind, Mesh, Object, Warnings};
+use unrender_scene::{Light, LightKind, Mesh, Object};
 
 /// Points of the picture to which lines are tested.
 const POINTS: usize = 400;
@@ -28,28 +29,28 @@ const MOST: f32 = 0.9;
 const GOLDEN: f32 = 0.618_034;
 
 /// Warnings of the lights.
-pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
-    let mut warnings = Warnings::default();
+pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
+    let mut found = Findings::default();
     let scene = &subject.job.scene;
     let seen = seen_points(subject);
     if seen.is_empty() {
-        return warnings;
+        return found;
     }
     for (index, object) in scene.objects.iter().enumerate() {
         if scene.groups[object.group].is_emitter() && !object.mesh.triangles.is_empty() {
-            warnings.extend(area_light(subject, (index as u32, object), &seen));
+            found.extend(area_light(subject, (index as u32, object), &seen));
         }
     }
     for light in &scene.lights {
-        warnings.extend(small_light(subject, light, &seen));
+        found.extend(small_light(subject, light, &seen));
     }
-    warnings
+    found
 }
 
 /// A point of the picture and the normal on the viewer's side.
 pub(super) type SurfacePoint = (Vec3, Vec3);
 
-fn seen_points(subject: &Subject<'_>) -> Vec<SurfacePoint> {
+pub(super) fn seen_points(subject: &Subject<'_>) -> Vec<SurfacePoint> {
     let (geometry, camera) = (subject.geometry, &subject.registered.camera);
     let (width, height) = (geometry.width(), geometry.height());
     let is_seen = |i: &u32| geometry.pixels()[*i as usize].object != NOTHING;
@@ -72,8 +73,8 @@ fn area_light(
     subject: &Subject<'_>,
     (index, lamp): (u32, &Object),
     seen: &[SurfacePoint],
-) -> Warnings {
-    let mut warnings = Warnings::default();
+) -> Findings {
+    let mut found = Findings::default();
     let tracer = subject.tracer;
     let points = spread_over(&lamp.mesh, AROUND);
     let reaches = |i: usize, (to, normal): &SurfacePoint| {
@@ -90,7 +91,7 @@ fn area_light(
     let (stopped, by) = stopped(tracer, &points, BEFORE * size);
     let name = &lamp.name;
     if stopped > MOST && by != Some(index) {
-        warnings.push(format!(
+        found.push(Gravity::All, format!(
             "area light \"{name}\" shines right onto {}, less than {} before it: move it away, or \
              flip its faces if it is meant to shine the other way",
             by.map_or("something".to_owned(), |by| format!(
@@ -100,14 +101,14 @@ fn area_light(
             length(BEFORE * size)
         ));
     } else if lights == 0 && is_turned_inwards(tracer, &points, index) {
-        warnings.push(format!(
+        found.push(Gravity::All, format!(
             "area light \"{name}\" shines into itself: flip its faces, so that the normals point \
              outwards"
         ));
     } else if lights == 0 {
-        warnings.push(out_of_sight("area light", name));
+        found.push(Gravity::Part, out_of_sight("area light", name));
     }
-    warnings
+    found
 }
 
 fn out_of_sight(kind: &str, name: &str) -> String {
@@ -177,14 +178,26 @@ fn stopped(tracer: &Tracer, points: &[SurfacePoint], distance: f32) -> (f32, Opt
     (share, by.into_iter().max_by_key(|(_, count)| *count).map(|(object, _)| object))
 }
 
+/// Whether light may come in from outside: some of the rays from `points` meet nothing.
+pub(super) fn is_open(tracer: &Tracer, points: &[SurfacePoint]) -> bool {
+    /// The share of them. At half of it cracks between walls count, at five times narrow windows do not.
+    const OPEN: f32 = 0.002;
+    /// Rays from each point. Half and double of them find the same rooms open.
+    const RAYS: usize = 16;
+    let often = points.iter().cycle().take(RAYS * points.len());
+    let met = first_met(tracer, &often.copied().collect::<Vec<SurfacePoint>>());
+    let free = met.iter().filter(|met| met.is_none()).count();
+    free as f32 > OPEN * met.len() as f32
+}
+
 fn is_turned_inwards(tracer: &Tracer, points: &[SurfacePoint], lamp: u32) -> bool {
     let itself = first_met(tracer, points).into_iter().flatten().filter(|m| m.1 == lamp).count();
     itself as f32 > MOST * points.len() as f32
 }
 
 /// A light without a surface.
-fn small_light(subject: &Subject<'_>, light: &Light, seen: &[SurfacePoint]) -> Warnings {
-    let mut warnings = Warnings::default();
+fn small_light(subject: &Subject<'_>, light: &Light, seen: &[SurfacePoint]) -> Findings {
+    let mut found = Findings::default();
     let tracer = subject.tracer;
     let (kind, position) = match light.kind {
         LightKind::Point { position, .. } => ("point light", Some(position)),
@@ -205,21 +218,21 @@ fn small_light(subject: &Subject<'_>, light: &Light, seen: &[SurfacePoint]) -> W
         around.as_ref().map(|a| a.nearest).filter(|(distance, _)| *distance < BESIDE * size);
     let shut_in_by = around.as_ref().and_then(|a| a.shut_in_by).filter(|_| lights == 0);
     if let Some((distance, object)) = beside {
-        warnings.push(format!(
+        found.push(Gravity::Part, format!(
             "{kind} \"{name}\" stands at object \"{}\", {} from its surface: move it into the open",
             subject.object_name(object),
             length(distance)
         ));
     } else if let Some(object) = shut_in_by {
-        warnings.push(format!(
+        found.push(Gravity::All, format!(
             "{kind} \"{name}\" is enclosed by object \"{}\" and lights nothing that the picture \
              shows: move it out of the wall or shade, or remove that object from the scene",
             subject.object_name(object)
         ));
     } else if lights == 0 {
-        warnings.push(out_of_sight(kind, name));
+        found.push(Gravity::Part, out_of_sight(kind, name));
     }
-    warnings
+    found
 }
 
 /// The surfaces around a light.

@@ -1,22 +1,29 @@
 //! Checks of the input: finds what would spoil a recovery before it is begun.
 //!
-//! Each module looks at one part of the input and adds sentences to the [`Warnings`]: the finding,
-//! and what to do. The limits are loose on purpose; a warning suggests a look, it proves nothing.
+//! Each module looks at one part of the input and returns findings: a sentence with the problem and what to do, and how
+//! much of the result it spoils. `unrender check` lists all of them; a recovery names the gravest before it begins. The
+//! limits are loose on purpose: a finding suggests a look, it proves nothing.
 
 mod camera;
-pub(crate) mod coplanar;
+mod coplanar;
 mod edges;
+mod finding;
+mod glass;
 mod groups;
 mod identifiability;
+mod lamps;
 mod light_units;
 mod lights;
 mod photograph;
 mod picture;
 mod sides;
+mod sky;
+mod smooth;
 mod table;
 pub(crate) mod uvs;
 
 pub use edges::{Edge, EdgeKind, Edges};
+pub use finding::{Finding, Gravity};
 pub use groups::GroupCheck;
 pub use picture::edge_picture;
 pub use table::{json, table};
@@ -26,6 +33,7 @@ use crate::clear_shapes;
 use crate::problem;
 use crate::registered::RegisteredModel;
 use crate::registration::{self, Alignment};
+use finding::Findings;
 use glam::Vec3;
 use identifiability::{Identifiability, identifiability};
 use unrender_recover::observe::sample::Stage;
@@ -43,8 +51,12 @@ pub struct Checkup {
     pub groups: Vec<GroupCheck>,
     /// The model's edges and where the photograph has them.
     pub edges: Edges,
-    /// Warnings, with what to do; those of the job come first.
+    /// Warnings, with what to do; the gravest come first.
     pub warnings: Warnings,
+    /// How many of them spoil the result, likely: the first ones.
+    pub grave: usize,
+    /// How many times as bright as the scene in middle grey the photograph is; none if its exposure is unknown.
+    pub brightness: Option<f64>,
     /// Pixels are counted as squares with this side, pixels of the photograph.
     pub side: usize,
 }
@@ -60,43 +72,82 @@ const PIXELS_OF_GROUP: [usize; 2] = [40, 400];
 pub fn check(job: &Job) -> Checkup {
     let tracer = Tracer::new(&job.lit_in(0));
     let registered = registration::register(job, &tracer, Alignment::Auto);
+    examined(job, &tracer, &registered, |subject| {
+        let edges = edges::find(subject);
+        let mut findings = findings(subject, &edges);
+        // A recovery that moves the camera, or leaves out pixels at edges, says so itself.
+        findings.extend(edges::displaced(subject, &edges));
+        let (grave, warnings) = (findings.grave(), findings.with(&job.warnings));
+        let brightness = photograph::factor(subject, subject.identifiabilities);
+        let groups = groups::all(subject);
+        Checkup { groups, edges, warnings, grave, brightness, side: job.side }
+    })
+}
+
+/// What would spoil the recovery of `job`, whose model is registered with its first photograph; the gravest first.
+pub(crate) fn before_recovery(
+    job: &Job,
+    tracer: &Tracer,
+    registered: &RegisteredModel,
+) -> Vec<Finding> {
+    examined(job, tracer, registered, |subject| {
+        findings(subject, &edges::find(subject)).gravest_first()
+    })
+}
+
+/// All findings but those of displaced edges.
+fn findings(subject: &Subject<'_>, edges: &Edges) -> Findings {
+    let (job, seen) = (subject.job, (&subject.registered.camera, subject.geometry));
+    let mut all = Findings::default();
+    for found in [
+        photograph::warnings(subject),
+        camera::warnings(subject),
+        edges::foreign(subject, edges),
+        coplanar::warnings(job, subject.tracer, seen),
+        clear(job, seen),
+        sides::warnings(subject),
+        lights::warnings(subject),
+        light_units::warnings(subject),
+        lamps::warnings(subject),
+        sky::warnings(subject),
+        glass::warnings(subject),
+        smooth::warnings(subject),
+        groups::warnings(subject),
+    ] {
+        all.extend(found);
+    }
+    all
+}
+
+/// What is seen of shapes that let light through.
+fn clear(job: &Job, (camera, geometry): (&Camera, &GeometryBuffers)) -> Findings {
+    let told = clear_shapes::told(job, camera, geometry);
+    told.map(|sentence| Finding { gravity: Gravity::Part, sentence }).into_iter().collect()
+}
+
+/// `look` at the data of `job`, whose model is `registered` with its first photograph.
+fn examined<T>(
+    job: &Job,
+    tracer: &Tracer,
+    registered: &RegisteredModel,
+    look: impl FnOnce(&Subject<'_>) -> T,
+) -> T {
     let size = (job.photo.radiance.width(), job.photo.radiance.height());
-    let view = View::new(&tracer, &registered.camera, size, job.scene.brdf);
+    let view = View::new(tracer, &registered.camera, size, job.scene.brdf);
     let geometry = unrender_recover::Renderer::geometry(&view);
     let observation = registered.observe((job, 0), geometry);
     let specs: Vec<GroupSpec> =
         (0..job.scene.groups.len()).map(|group| problem::spec(job, group)).collect();
     let identifiabilities = identifiabilities(&view, &observation, &specs);
-    let subject = Subject {
+    look(&Subject {
         job,
-        tracer: &tracer,
-        registered: &registered,
+        tracer,
+        registered,
         geometry,
         observation: &observation,
         specs: &specs,
         identifiabilities: &identifiabilities,
-    };
-    let edges = edges::find(&subject);
-    let mut warnings = job.warnings.clone();
-    for noted in [
-        photograph::warnings(&subject),
-        camera::warnings(&subject),
-        edges::warnings(&subject, &edges),
-        coplanar::warnings(job, &tracer, (&registered.camera, geometry)),
-        clear(job, &registered.camera, geometry),
-        sides::warnings(&subject),
-        lights::warnings(&subject),
-        light_units::warnings(&subject),
-        groups::warnings(&subject),
-    ] {
-        warnings.extend(noted);
-    }
-    Checkup { groups: groups::all(&subject), edges, warnings, side: job.side }
-}
-
-/// What is seen of shapes that let light through.
-fn clear(job: &Job, camera: &Camera, geometry: &GeometryBuffers) -> Warnings {
-    Warnings(clear_shapes::told(job, camera, geometry).into_iter().collect())
+    })
 }
 
 /// The data that all parts of the check use.
@@ -213,4 +264,10 @@ fn median(values: impl Iterator<Item = f32>) -> Option<f32> {
     }
     let middle = values.len() / 2;
     Some(*values.select_nth_unstable_by(middle, f32::total_cmp).1)
+}
+
+/// `text` with a capital letter.
+pub(crate) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }

@@ -9,14 +9,15 @@
 //!    response bends.
 //!  - **Brightness**: clipped, black, or far from what the lights can do on middle grey.
 
+use super::finding::{Finding, Findings, Gravity};
 use super::identifiability::Identifiability;
 use super::{GREY, Subject};
 use crate::project::ResponseChoice;
 use unrender_formats::picture::{Depth, Picture};
 use unrender_photo::{Exposure, Response, squares};
 use unrender_recover::{PixelStatus, Role};
+use unrender_scene::Rgb;
 use unrender_scene::color::luminance;
-use unrender_scene::{Rgb, Warnings};
 
 /// Values are steps of 8 bits if all except this share of them are.
 const OTHERS: f32 = 0.001;
@@ -28,28 +29,32 @@ const OFTEN: usize = 40;
 const GAPS: usize = 4;
 /// A photograph with this share of clipped or dark pixels causes a warning.
 const CLIPPED: f32 = 0.05;
+/// From this share on groups are lost. At half of it a room with a window is told of before each recovery, at double half of
+/// the photograph is gone without a word.
+const MANY: f32 = 0.3;
 /// The mean of a photograph that is too dark, as a share of its white.
 const DARK: f32 = 0.01;
 /// Plausible slopes, with room for specular reflection and for roughly modelled lamps.
 const SLOPES: [f32; 2] = [0.55, 1.8];
+/// The share of the pixels, by groups, that have to say so. At a half a room with a smooth floor looks encoded; of all, one
+/// group with a texture is enough to hide a wrong response.
+const AGREE: f32 = 0.75;
 /// Photograph and grey rendering agree up to this factor.
 const FACTOR: f32 = 10.0;
 
 /// Warnings of the photograph.
-pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
+pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
     let codes = &subject.job.picture;
-    let mut warnings = Warnings::default();
-    for doubts in [
-        steps(subject, codes),
-        gaps(codes),
-        slope(subject),
-        clipped(subject),
-        too_dark(subject, codes),
-        brightness(subject),
-    ] {
-        doubts.into_iter().for_each(|doubts| warnings.push(doubts));
-    }
-    warnings
+    let graded =
+        |gravity: Gravity, told: Option<String>| told.map(|sentence| Finding { gravity, sentence });
+    let all = [
+        graded(Gravity::All, slope(subject)),
+        graded(Gravity::All, brightness(subject)),
+        graded(Gravity::Part, steps(subject, codes)),
+        graded(Gravity::Part, gaps(codes)),
+        graded(Gravity::All, too_dark(subject, codes)),
+    ];
+    all.into_iter().flatten().chain(clipped(subject)).collect()
 }
 
 /// The values of the pixels that have a measurement.
@@ -120,13 +125,18 @@ fn slope(subject: &Subject<'_>) -> Option<String> {
         .collect();
     slopes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let all: usize = slopes.iter().map(|s| s.1).sum();
-    let mut so_far = 0;
-    let (middle, _) = slopes.into_iter().find(|(_, pixels)| {
-        so_far += pixels;
-        2 * so_far >= all
-    })?;
+    let quantile = |share: f32| {
+        let mut so_far = 0;
+        let reached = slopes.iter().find(|(_, pixels)| {
+            so_far += pixels;
+            so_far as f32 >= share * all as f32
+        });
+        reached.map(|(slope, _)| *slope)
+    };
+    // A wrong response bends all groups; reflections bend some.
     let [low, high] = SLOPES;
-    if (low..=high).contains(&middle) {
+    let [few, middle, most] = [quantile(1.0 - AGREE)?, quantile(0.5)?, quantile(AGREE)?];
+    if most >= low && few <= high {
         return None;
     }
     let like = match (middle < low, &subject.job.transfer.response) {
@@ -141,7 +151,7 @@ fn slope(subject: &Subject<'_>) -> Option<String> {
     ))
 }
 
-fn clipped(subject: &Subject<'_>) -> Option<String> {
+fn clipped(subject: &Subject<'_>) -> Option<Finding> {
     let observation = subject.observation;
     let reflecting = (0..subject.specs.len()).filter(|&g| subject.specs[g].role != Role::Emitter);
     let (mut all, mut off) = (0usize, 0usize);
@@ -155,12 +165,14 @@ fn clipped(subject: &Subject<'_>) -> Option<String> {
         all += 1;
         off += usize::from(observation.status.pixels()[pixel as usize] == PixelStatus::Clipped);
     }
-    (off as f32 > CLIPPED * all as f32).then(|| {
-        format!(
+    let share = off as f32 / all.max(1) as f32;
+    (share > CLIPPED).then(|| Finding {
+        gravity: if share > MANY { Gravity::Part } else { Gravity::Note },
+        sentence: format!(
             "{:.0} % of the photo (lamps not counted) are clipped, beside a clipped pixel or in \
              the noise near black, and cannot be used: take a photo of another exposure",
-            100.0 * off as f32 / all as f32
-        )
+            100.0 * share
+        ),
     })
 }
 

@@ -1,9 +1,9 @@
 //! Checks of fronts and backs: objects that are inside out, and lamps that turn their dark side to
 //! the camera.
 
+use super::finding::{Findings, Gravity};
 use super::{Subject, some};
 use unrender_render::NOTHING;
-use unrender_scene::Warnings;
 
 /// An object is seen from behind if this share of its pixels shows its back.
 const BEHIND: f32 = 0.9;
@@ -11,8 +11,8 @@ const BEHIND: f32 = 0.9;
 const PIXELS_MIN: usize = 30;
 
 /// Warnings of objects that are seen from the wrong side.
-pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
-    let mut warnings = Warnings::default();
+pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
+    let mut found = Findings::default();
     let scene = &subject.job.scene;
     let mut counts = vec![[0usize; 2]; scene.objects.len()];
     for pixel in subject.geometry.pixels().iter().filter(|p| p.object != NOTHING) {
@@ -30,19 +30,19 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Warnings {
     };
     let (lamps, others) = (behind(true), behind(false));
     if !lamps.is_empty() {
-        warnings.push(format!(
+        found.push(Gravity::All, format!(
             "the picture shows {} from behind, where area lights are black: flip the faces, so that \
              the normals point to where the light goes",
             some(&lamps)
         ));
     }
     if !others.is_empty() {
-        warnings.push(format!(
+        found.push(Gravity::Note, format!(
             "the picture shows {} from behind. Surfaces reflect alike on both sides, but a solid \
              whose faces point inwards is likely a mistake, and anisotropy directions count from the \
              front: flip the faces",
             some(&others)
         ));
     }
-    warnings
+    found
 }

@@ -20,7 +20,8 @@ pub fn table(checkup: &Checkup, picture: &Path) -> String {
     if warnings.is_empty() {
         text.push_str("\nnothing looks wrong\n");
     } else {
-        text.push_str(&format!("\n{} thing(s) to look at:\n", warnings.len()));
+        let things = if warnings.len() == 1 { "thing" } else { "things" };
+        text.push_str(&format!("\n{} {things} to check:\n", warnings.len()));
         for (number, warning) in warnings.iter().enumerate() {
             text.push_str(&format!("{}. {warning}\n", number + 1));
         }
@@ -89,7 +90,7 @@ struct Json<'a> {
 /// # Errors
 /// If a path is not text.
 pub fn json(checkup: &Checkup, picture: &Path) -> Result<String, serde_json::Error> {
-    let Checkup { groups, edges, warnings, side } = checkup;
+    let Checkup { groups, edges, warnings, side, .. } = checkup;
     let side = (*side > 1).then_some(*side);
     serde_json::to_string_pretty(&Json { groups, edges, picture, warnings: &warnings.0, side })
 }

@@ -6,6 +6,7 @@ pub mod check;
 pub mod completions;
 pub mod export;
 pub mod farm;
+pub mod init;
 pub mod man;
 pub mod merge;
 pub mod merge_exposures;

@@ -2,7 +2,9 @@
 
 use crate::engine::{self, Alignment, Asked, Recovered};
 use crate::global::Global;
+use crate::growing_picture::GrowingPicture;
 use crate::interrupt::{self, Pausable};
+use crate::own_project::{OwnProject, Written};
 use crate::progress::Progress;
 use crate::recovery_journal::{Head, RecoveryJournal};
 use crate::recovery_progress::RecoveryProgress;
@@ -20,15 +22,22 @@ use unrender_scene::{Hypothesis, Warnings};
 
 /// Recovers the materials of a project's groups from its photograph.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Example:\n  unrender recover room/project.toml --out room/result\n\nCtrl-C \
+#[command(after_help = "Examples:\n  unrender recover room/project.toml --out room/result\n  \
+    unrender recover --scene room.glb --photo room.jpg --out result --effort draft\n\nCtrl-C \
     ends with the best state so far, its report marked as interrupted; a second one ends at once. \
     After either, and after a crash, the same command with --resume continues from the last \
-    iteration."
-)]
+    iteration.")]
 pub struct Args {
-    /// The project file.
-    pub project: PathBuf,
+    /// The project file; `unrender init` makes one.
+    #[arg(required_unless_present = "scene")]
+    pub project: Option<PathBuf>,
+    /// Without a project file: the scene. The project that `unrender init` would make is written into the folder of the
+    /// results, as project.toml.
+    #[arg(long, value_name = "FILE", requires = "photo", conflicts_with = "project")]
+    pub scene: Option<PathBuf>,
+    /// Without a project file: the photograph.
+    #[arg(long, value_name = "FILE", requires = "scene", conflicts_with = "project")]
+    pub photo: Option<PathBuf>,
     /// The folder for the results; created if it is missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
@@ -140,10 +149,16 @@ pub enum PictureSize {
 /// # Errors
 /// If the input cannot be used or the results cannot be written.
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
-    let (mut project, warnings) = Project::read(&args.project)?;
+    let proposed = args.proposed(global)?;
+    let (mut project, warnings) = match &proposed {
+        Some(proposed) => proposed.parsed()?,
+        None => Project::read(args.project()?)?,
+    };
     settle(args, &mut project, global);
     let folder = ResultFolder::open(&args.out, "recover", &results::writes, &project.inputs())?;
     let mut job = Job::load(project, warnings)?;
+    // Written last, so that no input that is refused leaves a project behind.
+    let written = proposed.map(OwnProject::write).transpose()?.flatten();
     if !global.quiet && job.project.brdf.is_none() {
         global.console.tell(&format!(
             "brdf \"{}\", as in the scene; [recover] brdf in the project chooses another",
@@ -153,13 +168,16 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let head = Head::of(&job, args.choices(global.limits()));
     let journal = RecoveryJournal::open(&args.out, head, args.resume)?;
     let progress = Progress::new("recover", global);
-    let follow =
-        Follow { progress: &progress, share: 1.0 - WRITING_SHARE, journal: Some(&journal) };
+    let growing = (job.photographs() == 1).then_some(&folder);
+    let share = 1.0 - WRITING_SHARE;
+    let follow = Follow { progress: &progress, share, journal: Some(&journal), growing };
     let recovered = match recovered_with(args, &mut job, global, &follow, None) {
         Ok(recovered) => recovered,
         Err(error) => {
             // There is nothing to resume.
             journal.remove();
+            GrowingPicture::remove(&folder);
+            written.into_iter().for_each(Written::remove);
             return Err(error);
         }
     };
@@ -187,6 +205,21 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 }
 
 impl Args {
+    /// The project file.
+    ///
+    /// # Errors
+    /// If the arguments name none.
+    pub fn project(&self) -> Result<&Path, Error> {
+        let named = self.project.as_deref();
+        named.ok_or_else(|| Error::Request("name a project file: `unrender init` makes one".into()))
+    }
+
+    /// The project of a scene and a photograph that are named without one.
+    fn proposed(&self, global: &Global) -> Result<Option<OwnProject>, Error> {
+        let (Some(scene), Some(photo)) = (&self.scene, &self.photo) else { return Ok(None) };
+        OwnProject::of(scene, photo, &self.out, global).map(Some)
+    }
+
     /// The choices that the results depend on, by name: if one differs, the results may differ.
     fn choices(&self, limits: Limits) -> BTreeMap<String, String> {
         let Self { ladder, effort, seed, spp, bounces, no_refine, max_rung, .. } = self;
@@ -246,7 +279,7 @@ fn recovered_by_any(
     workers: Option<&dyn Workers>,
 ) -> Result<Recovered, Error> {
     let progress = Progress::new("recover", global);
-    let follow = Follow { progress: &progress, share: 1.0, journal: None };
+    let follow = Follow { progress: &progress, share: 1.0, journal: None, growing: None };
     recovered_with(args, job, global, &follow, workers)
 }
 
@@ -256,6 +289,8 @@ struct Follow<'a> {
     /// The share of the recovery in the whole work.
     share: f64,
     journal: Option<&'a RecoveryJournal>,
+    /// The folder in which a picture grows.
+    growing: Option<&'a ResultFolder>,
 }
 
 fn recovered_with(
@@ -265,7 +300,7 @@ fn recovered_with(
     follow: &Follow<'_>,
     workers: Option<&dyn Workers>,
 ) -> Result<Recovered, Error> {
-    let Follow { progress, share: all, journal } = *follow;
+    let Follow { progress, share: all, journal, growing } = *follow;
     // The number of its pixels then decides the samples of the last picture.
     job.reduce();
     global.console.warn(&job.warnings);
@@ -280,7 +315,8 @@ fn recovered_with(
     let is_full = args.picture == PictureSize::Full && job.side > 1;
     let share = if is_full { all * (1.0 - FULL_SHARE) } else { all };
     let (is_papers, pausable) = (asked.paper.is_some(), Pausable::new());
-    let mut follower = RecoveryProgress { progress, is_papers, share, pausable, journal };
+    let growing = growing.and_then(GrowingPicture::new);
+    let mut follower = RecoveryProgress { progress, is_papers, share, pausable, journal, growing };
     let mut recovered = engine::recover(job, &asked, &mut follower)?;
     drop(follower);
     if is_full && recovered.recovery.termination != Termination::Interrupted {

@@ -9,7 +9,7 @@ use crate::progress::Progress;
 use crate::progressive::{self, Job};
 use crate::progressive_render::PictureRender;
 use crate::result_folder::ResultFolder;
-use crate::results::restaged::{self, Synthetic};
+use crate::results::restaged::{self, Beside, Restaged, Synthetic};
 use crate::shard::{self, Identity};
 use serde::Serialize;
 use std::ops::{ControlFlow, Range};
@@ -209,7 +209,9 @@ fn composite(
     let grain = args.grain.then_some(args.sampling.seed);
     let paired = pair::paired(&layers);
     let composite = Composite::new(restaging, photograph, paired, Gain::Auto, grain);
-    let write = |place: &Path| restaged::write_composite(&composite, photograph, place);
+    let write = |place: &Path| {
+        restaged::write_composite(&composite, photograph, &restaging.sentences, place)
+    };
     tell(folder.write(true, write)?, global);
     lead_to_results(args, global);
     Ok(ExitCode::SUCCESS)
@@ -263,10 +265,33 @@ fn synthetic(
         tell(bad, global);
         written.push(number);
     }
-    folder
-        .write(true, |place| restaged::write_gallery(&args.out, place, &written, args.denoise))?;
+    gallery(args, global, restaging, (folder, &written))?;
     lead_to_results(args, global);
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the gallery of the pictures with the numbers `written`.
+fn gallery(
+    args: &Args,
+    global: &Global,
+    restaging: &Restaging,
+    (folder, written): (&ResultFolder, &[Option<usize>]),
+) -> Result<(), Error> {
+    let photograph = restaging.start.photograph.as_ref();
+    if let Some(photograph) = photograph {
+        let write = |place: &Path| Ok(restaged::write_photograph(photograph, place)?);
+        tell(folder.write(true, write)?, global);
+    }
+    let is_same_view =
+        matches!(restaging.view, View::Photograph(_)) && (args.width, args.height) == (None, None);
+    let beside = if is_same_view { Beside::SameView } else { Beside::OtherView };
+    let restaged = Restaged {
+        numbers: written,
+        is_denoised: args.denoise,
+        photograph: photograph.map(|_| beside),
+        edits: &restaging.sentences,
+    };
+    folder.write(true, |place| restaged::write_gallery(&args.out, place, &restaged))
 }
 
 fn lead_to_results(args: &Args, global: &Global) {

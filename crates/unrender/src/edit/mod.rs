@@ -3,7 +3,7 @@
 //! `sheet` is one file or flag: its place, with the lines that errors name (`written`), and its tables (`raw`). Each
 //! kind of edit (`remove`, `repaint`, `insert`, `view`) has one file that defines its syntax and the edit of
 //! `unrender-restage` for it; lights and environments, which projects have too, are in `lighting`. `edits` collects
-//! them all. `start` reads the scene and the photograph (`developed`) to which the edits are applied.
+//! them all, and `words` puts them into words. `start` reads the scene and the photograph (`developed`) to which the edits are applied.
 
 mod composite;
 mod developed;
@@ -15,6 +15,7 @@ mod remove;
 mod repaint;
 mod start;
 mod view;
+mod words;
 mod written;
 
 pub use composite::Composite;
@@ -35,6 +36,8 @@ pub struct Restaging {
     pub start: Start,
     /// The scene after its edits.
     pub after: Scene,
+    /// The edits, a sentence each.
+    pub sentences: Vec<String>,
     /// The record of the changes.
     pub change: Change,
     /// The cameras of the new pictures.
@@ -66,6 +69,7 @@ impl Restaging {
             Error::Request(format!("nothing can be rendered after the edits: {error}"))
         })?;
         let view = view::choose(sheets, &start)?;
-        Ok(Self { start, after, change, view, warnings })
+        let sentences = words::sentences(&edits);
+        Ok(Self { start, after, sentences, change, view, warnings })
     }
 }

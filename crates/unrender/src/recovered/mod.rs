@@ -9,5 +9,7 @@ pub(crate) mod labels;
 mod odd_photograph;
 mod outcome;
 mod parts;
+#[cfg(feature = "cli")]
+mod shown;
 
 pub use outcome::{Recovered, Times};

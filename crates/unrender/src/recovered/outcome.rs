@@ -84,6 +84,7 @@ impl Recovered {
         let mut recovery = self.recovery.clone();
         recovery.rerendered = sheet.cut(&recovery.rerendered, photograph);
         recovery.noise = sheet.cut(&recovery.noise, photograph);
+        recovery.noise_sample = sheet.cut(&recovery.noise_sample, photograph);
         recovery.status = sheet.cut(&recovery.status, photograph);
         Cow::Owned(Self {
             recovery,

@@ -10,6 +10,9 @@ use unrender_scene::{Image, Rgb};
 
 /// Pictures of more pixels are reduced.
 const PIXELS_MAX: usize = 1_300_000;
+/// Pictures of values under the pointer have no more pixels: they are smooth over several. At half of it the values of
+/// small things are those beside them; double of it makes a page of a megapixel a megabyte larger.
+const VALUES_MAX: usize = 330_000;
 /// The quality of JPEGs, at which they cannot be distinguished from the original beside them.
 const QUALITY: u8 = 88;
 
@@ -24,17 +27,34 @@ pub(super) struct Embedded {
 /// The picture `file` in `folder`, as a photograph.
 pub(super) fn photograph(folder: &Path, file: &str) -> Result<Embedded, Error> {
     let path = folder.join(file);
-    let codes = shrunk(&picture::read(&path)?.0.values, mean);
+    let codes = shrunk(&picture::read(&path)?.0.values, PIXELS_MAX, mean);
     let bytes = picture::jpeg_bytes(&codes, QUALITY).map_err(|e| FileError::new(&path, e))?;
     Ok(embedded(&codes, "jpeg", &bytes))
 }
 
 /// The picture `file` in `folder` with exact colours.
 pub(super) fn exact(folder: &Path, file: &str) -> Result<Embedded, Error> {
+    sampled(folder, file, PIXELS_MAX)
+}
+
+/// The picture `file` in `folder` of the values under the pointer.
+pub(super) fn values(folder: &Path, file: &str) -> Result<Embedded, Error> {
+    sampled(folder, file, VALUES_MAX)
+}
+
+/// A picture of which every so many pixels are kept as they are, at most `most`.
+fn sampled(folder: &Path, file: &str, most: usize) -> Result<Embedded, Error> {
     let path = folder.join(file);
-    let codes = shrunk(&picture::read(&path)?.0.values, |block| block[0]);
+    let codes = shrunk(&picture::read(&path)?.0.values, most, |block| block[0]);
     let bytes = picture::png_bytes(&codes).map_err(|e| FileError::new(&path, e))?;
     Ok(embedded(&codes, "png", &bytes))
+}
+
+impl Embedded {
+    /// Its shape for the style, which keeps pictures within the window.
+    pub(super) fn aspect(&self) -> String {
+        format!("--aspect:{}", self.width as f64 / self.height.max(1) as f64)
+    }
 }
 
 fn embedded(codes: &Image<Rgb>, kind: &str, bytes: &[u8]) -> Embedded {
@@ -46,9 +66,9 @@ fn mean(block: &[Rgb]) -> Rgb {
     block.iter().sum::<Rgb>() / block.len() as f32
 }
 
-/// The picture reduced by blocks of pixels, no larger than necessary.
-fn shrunk(codes: &Image<Rgb>, of_block: fn(&[Rgb]) -> Rgb) -> Image<Rgb> {
-    let side = (codes.pixels().len() as f64 / PIXELS_MAX as f64).sqrt().ceil().max(1.0) as usize;
+/// The picture reduced by blocks of pixels, no larger than necessary, to at most about `most`.
+fn shrunk(codes: &Image<Rgb>, most: usize, of_block: fn(&[Rgb]) -> Rgb) -> Image<Rgb> {
+    let side = (codes.pixels().len() as f64 / most as f64).sqrt().ceil().max(1.0) as usize;
     let (width, height) = (codes.width(), codes.height());
     Image::from_fn(width.div_ceil(side), height.div_ceil(side), |x, y| {
         let rows = y * side..((y + 1) * side).min(height);
@@ -67,11 +87,11 @@ mod tests {
     #[test]
     fn large_pictures_become_smaller_and_keep_their_shape() {
         let large = Image::from_fn(3001, 2000, |x, _| Rgb::splat((x % 2) as f32));
-        let small = shrunk(&large, mean);
+        let small = shrunk(&large, PIXELS_MAX, mean);
         assert_eq!((small.width(), small.height()), (1001, 667));
-        let flat = shrunk(&large, |block| block[0]);
+        let flat = shrunk(&large, PIXELS_MAX, |block| block[0]);
         assert!(flat.pixels().iter().all(|p| *p == Rgb::ZERO || *p == Rgb::ONE));
         let little = Image::from_fn(100, 50, |x, y| Rgb::splat((x + y) as f32));
-        assert_eq!(shrunk(&little, mean), little);
+        assert_eq!(shrunk(&little, PIXELS_MAX, mean), little);
     }
 }

@@ -11,7 +11,11 @@ pub(super) fn section(source: &RunFolder<'_>) -> Markup {
     let content = html! {
         h3 id="warnings" { "Warnings" }
         @if run.warnings.is_empty() { p { "None." } }
-        ul { @for warning in &run.warnings { li { (warning) } } }
+        ul { @for (index, warning) in run.warnings.iter().enumerate() {
+            li id={ "warning-" (index) } { (warning) }
+        } }
+        h3 { "End" }
+        p { (run.termination) "." }
         h3 { "Command" }
         pre tabindex="0" { code { (command(&run.command)) } }
         div class="beside" {
@@ -130,8 +134,8 @@ fn settings(source: &RunFolder<'_>) -> Markup {
             (row("effort", &html! { (settings.effort) }))
             (row("refinement", &html! { @if settings.refine { "yes" } @else { "no" } }))
             (row("seed", &count(&key.at("seed"), settings.seed)))
-            (row("final paths a pixel", &count(&key.at("spp"), settings.spp)))
-            (row("reflections at most", &count(&key.at("max_bounces"), settings.max_bounces)))
+            (row("samples per pixel of the last picture", &count(&key.at("spp"), settings.spp)))
+            (row("bounces at most", &count(&key.at("max_bounces"), settings.max_bounces)))
             @for (name, value) in &settings.thresholds {
                 (row(&format!("threshold {name}"),
                     &number(&key.at("thresholds").at(name), *value, Shown::Significant(2))))

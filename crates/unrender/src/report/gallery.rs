@@ -1,4 +1,4 @@
-//! A gallery: pictures with captions on one page, two of them with a divider if requested.
+//! A gallery: pictures with captions on one page, two of them under a divider if requested.
 
 use super::exhibit::{Exhibit, figure};
 use super::{comparison, head};
@@ -6,27 +6,38 @@ use crate::Error;
 use maud::html;
 use std::path::Path;
 
-/// The page called `title` that shows the `exhibits` in `folder` after `lead`, a sentence, and
-/// before them the two of `pair` in one frame, the first on the left.
+/// What a gallery shows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Gallery<'a> {
+    /// The title of the page.
+    pub title: &'a str,
+    /// A sentence.
+    pub lead: &'a str,
+    /// What was done, a sentence each.
+    pub edits: &'a [String],
+    /// Two pictures in one frame, the first on the left; they have the same size and encoding.
+    pub pair: Option<&'a [Exhibit; 2]>,
+    /// The pictures below.
+    pub exhibits: &'a [Exhibit],
+}
+
+/// The page with the pictures in `folder`.
 ///
 /// # Errors
 /// If a picture is missing or broken.
-pub fn gallery(
-    title: &str,
-    lead: &str,
-    folder: &Path,
-    pair: Option<&[Exhibit; 2]>,
-    exhibits: &[Exhibit],
-) -> Result<String, Error> {
-    let compared = pair.map(|pair| comparison::figure(folder, pair)).transpose()?;
-    let figures = exhibits.iter().map(|exhibit| figure(folder, exhibit));
+pub fn gallery(folder: &Path, gallery: &Gallery<'_>) -> Result<String, Error> {
+    let compared = gallery.pair.map(|pair| comparison::figure(folder, pair)).transpose()?;
+    let figures = gallery.exhibits.iter().map(|exhibit| figure(folder, exhibit));
     let figures = figures.collect::<Result<Vec<_>, _>>()?;
     let body = html! {
-        header { h1 { (title) } p class="lead" { (lead) } }
+        header { h1 { (gallery.title) } p class="lead" { (gallery.lead) } }
         main {
+            @if !gallery.edits.is_empty() {
+                ul class="edits" { @for edit in gallery.edits { li { (edit) } } }
+            }
             @if let Some(compared) = compared { (compared) }
             div class="gallery" { @for figure in &figures { (figure) } }
         }
     };
-    Ok(head::page(title, &body))
+    Ok(head::page(gallery.title, &body))
 }

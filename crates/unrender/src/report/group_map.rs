@@ -13,7 +13,7 @@ fn map(source: &RunFolder<'_>, of: &PhotographOf<'_>) -> Result<Markup, Error> {
     let map = embed::exact(source.folder, &of.pictures.groups)?;
     Ok(html! {
         figure class="map" {
-            div class="frame" {
+            div class="frame" style=(map.aspect()) {
                 img class="groups" src=(map.src) width=(map.width) height=(map.height)
                     alt="Every pixel in the colour of its group; the table below lists the groups";
                 canvas aria-hidden="true" {}

@@ -1,23 +1,25 @@
 //! The table of groups.
 
 use super::number::{Shown, count, number, percent};
-use super::{Key, RunFolder, embed, parameters, selection_log, under};
+use super::{Key, RunFolder, artist, embed, parameters, selection_log, under, why};
 use crate::Error;
-use crate::run::{Run, RunGroup};
+use crate::run::RunGroup;
 use maud::{Markup, html};
 use unrender_formats::materials::{Status, StatusEntry};
 
 /// The section. On narrow screens the script-less style makes a card of every row, so rows and cells
 /// state their roles.
 pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
-    let rows = source.run.groups.iter().map(|(name, group)| row(source, name, group));
+    let groups = source.run.groups.iter().enumerate();
+    let rows = groups.map(|(index, (name, group))| row(source, index, (name, group)));
     let rows = rows.collect::<Result<Vec<_>, _>>()?;
-    let heads = ["group", "hypothesis", "parameters", "error", "pixels", "why"];
+    let heads = ["group", "material", "parameters", "in Blender", "error", "why"];
     let content = html! {
         table class="groups" role="table" {
-            caption { "Numbers with ± have a standard deviation. The error is the relative root \
-                mean square of photograph minus re-rendering; in the first iteration without the \
-                photograph's noise, in the end with it." }
+            caption { "A number after ± is a standard deviation. The error is the root mean square of photograph minus \
+                re-rendering, relative to the light of the group, without noise. Doubtful: the fit is worse \
+                than noise allows, or two kinds of material fit equally well. Assumed: the photograph does not \
+                determine it." }
             thead role="rowgroup" { tr role="row" {
                 @for head in heads { th scope="col" role="columnheader" { (head) } }
             } }
@@ -27,13 +29,17 @@ pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
     Ok(under("groups", &content))
 }
 
-fn row(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Result<Markup, Error> {
+fn row(
+    source: &RunFolder<'_>,
+    index: usize,
+    (name, group): (&str, &RunGroup),
+) -> Result<Markup, Error> {
     let key = source.key.at("groups").at(name);
     let entry = &group.entry;
     let failed = matches!(entry.status, Some(StatusEntry::Of(Status::Assumed | Status::Doubtful)));
     let hypothesis = entry.hypothesis.map_or("", |h| h.name());
     Ok(html! {
-        tr role="row" class=[failed.then_some("failed")] data-group=(name) data-color=(group.map_color) {
+        tr id={ "group-" (index) } role="row" class=[failed.then_some("failed")] data-group=(name) data-color=(group.map_color) {
             th scope="row" role="rowheader" {
                 (picture(source, group, name)?)
                 button type="button" class="pick" {
@@ -41,7 +47,7 @@ fn row(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Result<Markup, E
                     span class="group-name" { (name) }
                 }
             }
-            (cell("hypothesis", &html! {
+            (cell("material", &html! {
                 (hypothesis)
                 @match &entry.status {
                     None | Some(StatusEntry::Of(Status::Recovered)) => {}
@@ -51,9 +57,14 @@ fn row(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Result<Markup, E
                 }
             }))
             (cell("parameters", &parameters::list(&key, entry)))
-            (cell("error", &errors(source, &key, name, group)))
-            (cell("pixels", &pixels(&key, group)))
-            (cell("why", &selection_log::of(source, &key, name, group)))
+            (cell("in Blender", &artist::cell(&key, name, group)))
+            (cell("error", &errors(&key, group)))
+            (cell("why", &html! {
+                p class="why" { (why::reason(source, name, group)) }
+                @if let Some(miss) = &group.miss { p class="why" { (why::miss(&key.at("miss"), name, (miss, is(group, Status::Doubtful)))) } }
+                @if let Some(note) = &entry.note { p class="note" { (note) } }
+                (selection_log::of(&key, name, group))
+            }))
         }
     })
 }
@@ -78,38 +89,30 @@ fn picture(source: &RunFolder<'_>, group: &RunGroup, name: &str) -> Result<Marku
     Ok(html! { img class=(class) src=(picture.src) alt=(alt); })
 }
 
-/// The error in the first iteration and in the end, and the group's share of all error.
-fn errors(source: &RunFolder<'_>, key: &Key, name: &str, group: &RunGroup) -> Markup {
-    let before = first_error(source.run, name);
-    let iteration = source.key.at("iterations").at(0).at("groups").at(name).at("error");
+/// The error, its share of all error, and the pixels that it rests on.
+fn errors(key: &Key, group: &RunGroup) -> Markup {
     html! {
-        @if let Some(before) = before { (percent(&iteration, Some(before))) " → " }
         (percent(&key.at("error"), group.entry.error))
         @if let Some(share) = group.error_share {
             div class="share" {
-                "share of all error "
-                span class="whole" {
-                    (number(&key.at("error_share"), share, Shown::Percent(1))) " %"
-                }
+                @if share > 0.0 {
+                    span class="whole" { (number(&key.at("error_share"), share, Shown::Share)) " %" }
+                    " of all error"
+                } @else { "within noise" }
             }
         }
-    }
-}
-
-/// The error of the group in the first iteration.
-fn first_error(run: &Run, name: &str) -> Option<f64> {
-    run.iterations.first()?.groups.get(name)?.error
-}
-
-fn pixels(key: &Key, group: &RunGroup) -> Markup {
-    html! {
         @if let Some(pixels) = group.entry.pixels {
-            (count(&key.at("pixels"), pixels))
-            @if pixels > 0 {
-                div class="share" {
-                    (count(&key.at("counted").at("valid"), group.counted.valid)) " counted"
-                }
+            div class="share" {
+                @if pixels > 0 {
+                    (count(&key.at("counted").at("valid"), group.counted.valid)) " of "
+                    span class="whole" { (count(&key.at("pixels"), pixels)) " pixels" }
+                } @else { "out of view" }
             }
         }
     }
+}
+
+/// Whether a group has this status.
+pub(super) fn is(group: &RunGroup, status: Status) -> bool {
+    group.entry.status.as_ref().is_some_and(|of| of.is(status))
 }

@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("style.css");
-const SCRIPT: &str = include_str!("script.js");
+const SCRIPT: &str = concat!(include_str!("script.js"), include_str!("viewer.js"));
 /// With this policy the browser fetches nothing, even if something in the page requested it.
 const POLICY: &str = include_str!("policy.txt");
 

@@ -7,12 +7,14 @@
 //!
 //! One section of the page is one file here.
 
+mod artist;
 mod comparison;
 mod convergence;
 mod embed;
 mod errors;
 mod exhibit;
 mod facts;
+mod files;
 mod gallery;
 mod group_map;
 mod groups;
@@ -24,14 +26,17 @@ mod selection_log;
 mod side_by_side;
 mod unknowable;
 mod valid;
+mod verdict;
+mod viewer;
+mod why;
 
 pub use exhibit::Exhibit;
-pub use gallery::gallery;
+pub use gallery::{Gallery, gallery};
 
 use crate::Error;
 use crate::run::{LeftOut, PhotographRun, Pictures, Run};
 use maud::{Markup, html};
-use number::{Key, Shown, number};
+use number::Key;
 use std::path::{Path, PathBuf};
 use unrender_formats::atomic;
 
@@ -118,8 +123,7 @@ pub fn page(folder: &Path) -> Result<String, Error> {
     let body = html! {
         (header(&source))
         main {
-            (comparison::section(&source)?)
-            (errors::section(&source)?)
+            (viewer::section(&source)?)
             (group_map::section(&source)?)
             (groups::section(&source)?)
             (unknowable::section(&source))
@@ -147,31 +151,25 @@ pub fn comparison(folders: &[PathBuf]) -> Result<String, Error> {
     side_by_side::page(&source)
 }
 
-/// The subject of the page, in two lines.
+/// The subject of the page and how it came out.
 fn header(source: &RunFolder<'_>) -> Markup {
     let run = source.run;
     html! {
         header {
             h1 { "Recovered materials" }
-            p class="lead" {
-                (run.input.project.display()) ": "
-                (number(&source.key.at("seconds"), run.seconds, Shown::Fixed(1))) " s, "
-                (run.termination) "."
-            }
-            @if !run.warnings.is_empty() {
-                p class="warn" { a href="#warnings" { "The run had warnings." } }
-            }
+            p class="lead" { (run.input.project.display()) ", " (run.input.photo.display()) }
+            (verdict::verdict(source))
             nav aria-label="Sections" { ul {
                 @for (id, name) in SECTIONS { li { a href={ "#" (id) } { (name) } } }
             } }
+            (files::links(source))
         }
     }
 }
 
 /// The sections of a recovery's page: id and heading.
-const SECTIONS: [(&str, &str); 8] = [
-    ("comparison", "Photograph and re-rendering"),
-    ("errors", "Where they differ"),
+const SECTIONS: [(&str, &str); 7] = [
+    ("comparison", "Photograph, re-rendering and difference"),
     ("map", "Group map"),
     ("groups", "Groups"),
     ("unknowable", "What the photograph does not determine"),

@@ -33,6 +33,12 @@ pub(super) enum Shown {
     Percent(usize),
     /// With this many significant digits.
     Significant(usize),
+    /// With the other sign and this many significant digits: a gain, of a difference that is negative.
+    Gain(usize),
+    /// In percent with one digit after the point; less than the last digit as `< 0.1`.
+    Share,
+    /// In percent with its sign and one digit after the point.
+    Signed,
     /// As a count of 2^20.
     Mebi,
 }
@@ -108,7 +114,8 @@ impl Shown {
     fn scale(self) -> f64 {
         match self {
             Self::Fixed(_) | Self::Significant(_) => 1.0,
-            Self::Percent(_) => 100.0,
+            Self::Gain(_) => -1.0,
+            Self::Percent(_) | Self::Share | Self::Signed => 100.0,
             Self::Mebi => 1.0 / f64::from(1 << 20),
         }
     }
@@ -117,7 +124,10 @@ impl Shown {
         let value = value * self.scale();
         match self {
             Self::Fixed(digits) | Self::Percent(digits) => format!("{value:.digits$}"),
-            Self::Significant(digits) => significant(value, digits),
+            Self::Significant(digits) | Self::Gain(digits) => significant(value, digits),
+            Self::Share if value > 0.0 && value < 0.05 => "< 0.1".to_owned(),
+            Self::Share => format!("{value:.1}"),
+            Self::Signed => format!("{value:+.1}"),
             Self::Mebi => format!("{value:.0}"),
         }
     }
@@ -151,5 +161,12 @@ mod tests {
     fn significant_digits_hold_for_small_and_large() {
         let text = [0.000_123_4, 12.34, 0.0, 1.5e-9, 4.26e7].map(|v| significant(v, 2));
         assert_eq!(text, ["0.00012", "12", "0.0", "1.5e-9", "4.3e7"]);
+    }
+
+    #[test]
+    fn shares_that_round_to_nothing_are_said_to_be_small() {
+        let text = [0.0, 0.0004, 0.0012, 0.943].map(|v| Shown::Share.text(v));
+        assert_eq!(text, ["0.0", "< 0.1", "0.1", "94.3"]);
+        assert_eq!(Shown::Gain(3).text(-120.5), "120");
     }
 }

@@ -11,6 +11,11 @@ const RHO: Shown = Shown::Fixed(3);
 const RHO_STD: Shown = Shown::Significant(2);
 const ALPHA: Shown = Shown::Fixed(4);
 const DEGREES: Shown = Shown::Fixed(2);
+/// A reflectance this close to zero is at its bound, and its standard deviation says nothing: the least that a
+/// photograph of 16 bits tells from black is ten times as much. Half and double of it name the same numbers.
+const AT_BOUND: f32 = 1e-6;
+/// The channels in words.
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// The parameters that the group's hypothesis has, each with its standard deviation.
 pub(super) fn list(key: &Key, entry: &GroupEntry) -> Markup {
@@ -45,9 +50,24 @@ pub(super) fn swatch(rho: [f32; 3]) -> Markup {
 fn color(name: &str, key: &Key, rho: [f32; 3], std: Option<[f32; 3]>) -> Markup {
     html! {
         li { (swatch(rho)) span class="name" { (name) } " " (numbers(&key.at(name), &rho, RHO))
-            @if let Some(std) = std {
-                span class="std" { " ± " (numbers(&key.at("std").at(name), &std, RHO_STD)) }
+            @if let Some(std) = std { (deviations(&key.at("std").at(name), rho, std)) }
+        }
+    }
+}
+
+/// The standard deviations of the channels that are not at their bound, and which are.
+fn deviations(key: &Key, rho: [f32; 3], std: [f32; 3]) -> Markup {
+    let (bound, free): (Vec<usize>, Vec<usize>) = (0..3).partition(|c| rho[*c] < AT_BOUND);
+    let named: Vec<&str> = bound.iter().map(|channel| CHANNELS[*channel]).collect();
+    html! {
+        span class="std" {
+            @if !free.is_empty() {
+                " ± " span class="whole" { @for (index, channel) in free.iter().enumerate() {
+                    @if index > 0 { " " }
+                    (number(&key.at(channel), std[*channel], RHO_STD))
+                } }
             }
+            @if !bound.is_empty() { " (" (named.join(", ")) " at its bound)" }
         }
     }
 }

@@ -1,10 +1,10 @@
 "use strict";
-// The interactive parts of the page: the divider, the flicker, and the group map. Without it all
-// pictures, numbers and words are still there.
+// The divider, the flicker, the group map and the copy buttons. Without it all pictures, numbers and
+// words are still there. The viewer is in viewer.js.
 
 for (const figure of document.querySelectorAll(".compare")) {
   const divider = figure.querySelector(".divider");
-  const button = figure.querySelector(".flicker");
+  const button = (figure.closest(".viewer") ?? figure).querySelector(".flicker");
   const place = () => figure.style.setProperty("--at", divider.value + "%");
   divider.addEventListener("input", place);
   place();
@@ -34,7 +34,7 @@ function setUpMap(figure, number) {
   const readout = figure.querySelector(".readout");
   const rows = new Map();
   for (const row of document.querySelectorAll("tr[data-color]")) rows.set(row.dataset.color, row);
-  const photo = document.querySelectorAll(".compare .over")[number];
+  const photo = document.querySelectorAll(".compare .over img")[number];
   if (photo) {
     const under = photo.cloneNode();
     under.className = "under";
@@ -78,7 +78,7 @@ function setUpMap(figure, number) {
     const name = document.createElement("strong");
     name.textContent = row.dataset.group;
     const parts = [name];
-    for (const head of ["hypothesis", "parameters", "error"]) {
+    for (const head of ["material", "parameters", "error"]) {
       const cell = row.querySelector(`td[data-head="${head}"]`);
       const part = document.createElement("div");
       part.append(...[...cell.childNodes].map((node) => node.cloneNode(true)));
@@ -114,3 +114,24 @@ document.querySelectorAll(".map").forEach((figure, number) => {
   const image = figure.querySelector(".groups");
   image.decode().then(() => setUpMap(figure, number));
 });
+
+// Pages from a disk may lack the clipboard; then the text is selected and copied.
+async function copy(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    const field = document.createElement("textarea");
+    field.value = text;
+    document.body.append(field);
+    field.select();
+    document.execCommand("copy");
+    field.remove();
+  }
+}
+for (const button of document.querySelectorAll(".copy")) {
+  button.addEventListener("click", async () => {
+    await copy(button.dataset.copy);
+    button.textContent = "Copied";
+    setTimeout(() => (button.textContent = "Copy"), 1200);
+  });
+}

@@ -74,7 +74,7 @@ fn card(index: usize, source: &RunFolder<'_>) -> Result<Markup, Error> {
     let shown = [
         (pictures.photo.as_str(), "Photograph", "developed with this run's response"),
         (pictures.rerendered.as_str(), "Re-rendering", "with the recovered materials"),
-        ("error.png", "Error", "red where the re-rendering is too bright, blue where too dark"),
+        ("error.png", "Error", "orange where the re-rendering is too bright, blue where too dark"),
     ];
     let figures = shown.map(|(file, title, caption)| {
         let [file, title, caption] = [file, title, caption].map(str::to_owned);

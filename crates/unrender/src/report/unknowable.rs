@@ -25,7 +25,7 @@ pub(super) fn section(source: &RunFolder<'_>) -> Markup {
     let apart: Vec<(&String, &RunGroup)> = groups().filter(|(_, g)| g.parts.len() > 1).collect();
     let nothing = nothing && apart.is_empty();
     let content = html! {
-        @if nothing { p { "The program noticed nothing." } }
+        @if nothing { p { "Nothing was found that the photograph leaves open." } }
         ul class="unknowable" {
             @for (name, group) in assumed {
                 li { strong { (name) } " is not determined: "

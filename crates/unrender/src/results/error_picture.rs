@@ -1,155 +1,139 @@
-//! Pictures of the differences between photograph and re-rendering.
+//! Pictures of the differences between photograph and re-rendering ([`super::difference`]).
 //!
-//! The difference of luminances, averaged over 5 x 5 pixels so that the re-rendering's noise does
-//! not hide it; dark grey where the photograph is clipped or broken. Signed, it is red where the
-//! re-rendering is too bright and blue where it is too dark.
-//!
-//! `error.png` is relative to the photograph's mean, with the colour bar below the picture. The
-//! other pictures have their bars in run.json: in radiance, and in standard deviations of the joint
-//! noise of photograph and re-rendering.
+//! `error.png` and its copy in the report are linear from -10 to +10 % of the photograph's mean: orange where the
+//! re-rendering is too bright, blue where it is too dark, white where noise explains the difference: colours fade in
+//! from two to four standard deviations. Hatched pixels are
+//! not compared. `error.png` has its colour bar below the picture. A second picture is in standard deviations of the
+//! noise. The values themselves are in a picture of code values, from which the page tells that under the pointer.
 
-use super::report_folder;
-use crate::run::{ErrorPicture, Stop, Unit};
-use crate::{Error, Job};
+use super::difference::{Difference, Differs};
+use super::{report_folder, scale_bar};
+use crate::Error;
+use crate::run::{DifferenceEntry, ErrorPicture, Stop, Unit};
 use std::path::Path;
-use unrender_formats::picture;
-use unrender_recover::{PixelStatus, Recovery};
-use unrender_scene::color::{linear_from_srgb, luminance};
-use unrender_scene::{Image, Rgb, RgbImage};
+use unrender_formats::picture::{self, Depth};
+use unrender_scene::color::linear_from_srgb;
+use unrender_scene::{Rgb, RgbImage};
 
-/// The ends of the scale: a difference of this share of the photograph's mean.
-const FULL_SCALE: f32 = 0.2;
-/// The ends of the scale in noise, standard deviations.
+/// The ends of the scale, as a share of the photograph's mean: what people notice beside the photograph is a few
+/// percent. At half of it a good draft has saturated places; at double of it errors of 2 % are nearly white.
+const FULL_SCALE: f32 = 0.1;
+/// The ends of the scale in noise, standard deviations. At half of it every error of a precise result is saturated; at
+/// double of it significant ones are pale.
 const FULL_SCALE_NOISE: f32 = 20.0;
-/// Averages reach this many pixels to each side.
-const REACH: usize = 2;
-/// The linear grey of pixels that are not compared.
-const LEFT_OUT: f32 = 0.1;
-/// Stops of a colour bar.
+/// Pixels that are not compared are hatched by two greys, sRGB: lighter than what is compared and significant. Other
+/// greys would look like a difference, or like white in a light page.
+const HATCH: [f32; 2] = [0.80, 0.88];
+/// The width of the hatch's stripes, pixels: at half of it, it is grey on a page; at double of it narrow edges show one
+/// stripe.
+const STRIPE: usize = 3;
+/// Stops of a colour bar: every second is labelled. Half of them do not label the quarters; double of them are no
+/// finer, as colours are linear.
 const STOPS: usize = 9;
+/// The code value of no difference among values from 0 to 255.
+const ZERO: f32 = 128.0;
 
-/// Writes the error pictures of a recovery into its folder, with the photograph's `number` in their names; returns
-/// those whose bars are in run.json.
+/// The pictures of a photograph's differences.
+pub(super) struct ErrorPictures {
+    /// With their colour bars.
+    pub(super) pictures: Vec<ErrorPicture>,
+    /// In numbers.
+    pub(super) entry: DifferenceEntry,
+}
+
+/// Writes the error pictures of a recovery into its folder, with the photograph's `number` in their names.
 pub(super) fn write(
-    job: &Job,
-    recovery: &Recovery,
+    difference: &Difference,
     (folder, number): (&Path, &str),
-) -> Result<Vec<ErrorPicture>, Error> {
-    let difference = Difference::of(job, recovery);
-    let full = (difference.photo_mean * FULL_SCALE).max(f32::MIN_POSITIVE);
-    let (width, height) = (recovery.rerendered.width(), recovery.rerendered.height());
-    let bar = super::scale_bar::height(width);
+) -> Result<ErrorPictures, Error> {
+    let (width, height) = (difference.pixels.width(), difference.pixels.height());
+    let bar = scale_bar::height(width);
+    let of_share = |x, y| painted(*difference.pixels.at(x, y), (x, y), Unit::Share);
     let with_bar = RgbImage::from_fn(width, height + bar, |x, y| {
         if y >= height {
-            return super::scale_bar::pixel(x, y - height, width, FULL_SCALE, diverging);
+            return scale_bar::pixel(x, y - height, width, FULL_SCALE, diverging);
         }
-        painted(*difference.radiance.at(x, y), full, diverging)
+        of_share(x, y)
     });
     picture::write_png_srgb(&folder.join(format!("error{number}.png")), &with_bar)?;
     let mut pictures = Vec::new();
-    for unit in [Unit::Radiance, Unit::Noise] {
-        let (name, values, full) = match unit {
-            Unit::Radiance => ("radiance", &difference.radiance, full),
-            Unit::Noise => ("noise", &difference.noise, FULL_SCALE_NOISE),
-        };
-        for signed in [true, false] {
-            let color = if signed { diverging } else { rising };
-            let kind = if signed { "signed" } else { "absolute" };
-            let file = report_folder(&format!("error{number}_{name}_{kind}.png"));
-            let picture = values.map(|value| painted(*value, full, color));
-            picture::write_png_srgb(&folder.join(&file), &picture)?;
-            let bar = bar_of(signed, full, color);
-            pictures.push(ErrorPicture { file, signed, unit, reach: REACH, bar });
-        }
-    }
-    Ok(pictures)
-}
-
-/// Re-rendering minus photograph, averaged over a pixel's surroundings; none where they are not
-/// compared.
-struct Difference {
-    /// The mean luminance of the photograph.
-    photo_mean: f32,
-    /// In radiance.
-    radiance: Image<Option<f32>>,
-    /// In standard deviations of the average's noise.
-    noise: Image<Option<f32>>,
-}
-
-impl Difference {
-    fn of(job: &Job, recovery: &Recovery) -> Self {
-        let fixed = matches!(job.project.exposure, unrender_photo::Exposure::Fixed(_));
-        let scale = if fixed { Rgb::ONE } else { recovery.exposure };
-        let photo = job.photo.radiance.map(|value| luminance(*value * scale));
-        let photo_mean = photo.pixels().iter().sum::<f32>() / photo.pixels().len().max(1) as f32;
-        let (width, height) = (photo.width(), photo.height());
-        // Pixels that the project leaves out have this status too.
-        let says = |x: usize, y: usize| {
-            *job.photo.valid.at(x, y) && *recovery.status.at(x, y) != PixelStatus::Clipped
-        };
-        // The sum of differences, that of their variances, and the number of pixels.
-        let sums = Image::from_fn(width, height, |x, y| {
-            if !says(x, y) {
-                return (0.0, 0.0, 0.0);
-            }
-            let (mut sum, mut variance, mut count) = (0.0, 0.0, 0.0);
-            for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
-                for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
-                    if says(column, row) {
-                        let shown = luminance(*recovery.rerendered.at(column, row));
-                        sum += shown - photo.at(column, row);
-                        variance += recovery.noise.at(column, row).powi(2);
-                        count += 1.0;
-                    }
-                }
-            }
-            (sum, variance, count)
+    for (unit, name, full) in
+        [(Unit::Share, "share", FULL_SCALE), (Unit::Noise, "noise", FULL_SCALE_NOISE)]
+    {
+        let file = report_folder(&format!("error{number}_{name}.png"));
+        let picture = RgbImage::from_fn(width, height, |x, y| {
+            painted(*difference.pixels.at(x, y), (x, y), unit)
         });
-        let radiance = sums.map(|&(sum, _, count)| (count > 0.0).then(|| sum / count));
-        let noise = sums.map(|&(sum, variance, count)| {
-            (count > 0.0).then(|| sum / variance.sqrt().max(f32::MIN_POSITIVE))
-        });
-        Self { photo_mean, radiance, noise }
+        picture::write_png_srgb(&folder.join(&file), &picture)?;
+        let reach = difference.kernel.round() as usize;
+        pictures.push(ErrorPicture { file, signed: true, unit, reach, bar: bar_of(full) });
     }
+    let values = report_folder(&format!("error{number}_values.png"));
+    let codes = difference.pixels.map(|pixel| Rgb::splat(code(*pixel)));
+    picture::write_png_codes(&folder.join(&values), &codes, Depth::Eight)?;
+    let [beyond_noise, noise, compared] = difference.means();
+    Ok(ErrorPictures { pictures, entry: DifferenceEntry { beyond_noise, noise, compared, values } })
 }
 
-fn painted(value: Option<f32>, full: f32, color: fn(f32) -> Rgb) -> Rgb {
-    value.map_or(Rgb::splat(LEFT_OUT), |value| color(value / full))
+fn painted(pixel: Option<Differs>, (x, y): (usize, usize), unit: Unit) -> Rgb {
+    let Some(differs) = pixel else {
+        return Rgb::splat(linear_from_srgb(HATCH[(x + y) / STRIPE % 2]));
+    };
+    let value = match unit {
+        Unit::Share | Unit::Radiance => differs.share / FULL_SCALE,
+        Unit::Noise => differs.sigmas().copysign(differs.share) / FULL_SCALE_NOISE,
+    };
+    diverging(differs.certainty() * value.clamp(-1.0, 1.0))
 }
 
-/// The colour bar: as in [`diverging`] and [`rising`], values grow as the square of the position, so
-/// that small ones have room.
-fn bar_of(signed: bool, full: f32, color: fn(f32) -> Rgb) -> Vec<Stop> {
+/// The value of a pixel in the picture of values, 0 to 1.
+fn code(pixel: Option<Differs>) -> f32 {
+    let Some(differs) = pixel else { return 0.0 };
+    let root = differs.share.signum() * differs.share.abs().min(1.0).sqrt();
+    (ZERO + (root * (ZERO - 1.0)).round()) / 255.0
+}
+
+/// The colour bar of a picture whose scale ends at plus and minus `full`.
+fn bar_of(full: f32) -> Vec<Stop> {
     let stop = |i: usize| {
-        let place = i as f32 / (STOPS - 1) as f32;
-        let place = if signed { 2.0 * place - 1.0 } else { place };
-        let value = place * place.abs();
-        Stop { value: value * full, color: super::hex(color(value)) }
+        let place = 2.0 * i as f32 / (STOPS - 1) as f32 - 1.0;
+        Stop { value: place * full, color: super::hex(diverging(place)) }
     };
     (0..STOPS).map(stop).collect()
 }
 
-/// The colour of a value from -1 (blue) over 0 (light grey) to 1 (red), as linear RGB.
+/// The colour of a value from -1 (blue) over 0 (white) to 1 (orange), as linear RGB. Blue and orange differ for people
+/// who see red and green alike.
 fn diverging(value: f32) -> Rgb {
     let value = if value.is_finite() { value.clamp(-1.0, 1.0) } else { 1.0 };
-    let end = if value > 0.0 { Rgb::new(0.70, 0.02, 0.15) } else { Rgb::new(0.02, 0.24, 0.62) };
-    let srgb = Rgb::splat(0.93).lerp(end, value.abs().sqrt());
+    let end = if value > 0.0 { Rgb::new(0.78, 0.36, 0.05) } else { Rgb::new(0.12, 0.36, 0.66) };
+    let srgb = Rgb::ONE.lerp(end, value.abs());
     Rgb::from_array(srgb.to_array().map(linear_from_srgb))
 }
 
-/// The colour of an absolute value from 0 (nearly black) over red and orange to 1 (light yellow),
-/// as linear RGB.
-fn rising(value: f32) -> Rgb {
-    const RAMP: [Rgb; 5] = [
-        Rgb::new(0.05, 0.03, 0.12),
-        Rgb::new(0.36, 0.07, 0.43),
-        Rgb::new(0.78, 0.22, 0.30),
-        Rgb::new(0.98, 0.60, 0.15),
-        Rgb::new(0.99, 0.99, 0.75),
-    ];
-    let value = if value.is_finite() { value.abs().min(1.0) } else { 1.0 };
-    let place = value.sqrt() * (RAMP.len() - 1) as f32;
-    let below = (place as usize).min(RAMP.len() - 2);
-    let srgb = RAMP[below].lerp(RAMP[below + 1], place - below as f32);
-    Rgb::from_array(srgb.to_array().map(linear_from_srgb))
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_read_back_from_their_codes() {
+        for share in [-2.0, -0.1, -0.0004, 0.0, 0.003, 0.1, 0.7] {
+            let byte = (255.0 * code(Some(Differs { share, deviation: 0.0 }))).round();
+            let root = (byte - ZERO) / (ZERO - 1.0);
+            let read = root * root.abs();
+            let root_error = (read.abs().sqrt() - share.abs().min(1.0).sqrt()).abs();
+            assert!(byte >= 1.0 && root_error < 0.5 / 126.0, "{share} {read}");
+        }
+        assert_eq!(code(None), 0.0);
+    }
+
+    #[test]
+    fn noise_is_white_and_what_is_not_compared_is_grey() {
+        let within = Some(Differs { share: 0.019, deviation: 0.01 });
+        assert_eq!(painted(within, (0, 0), Unit::Share), Rgb::ONE);
+        let beyond = Some(Differs { share: 0.05, deviation: 0.01 });
+        assert!(painted(beyond, (0, 0), Unit::Share).z < 0.9);
+        let [a, b] = [0, STRIPE].map(|x| painted(None, (x, 0), Unit::Share));
+        assert!(a != b && a.x == a.y && b.x == b.y);
+    }
 }

@@ -1,8 +1,10 @@
 //! The files that `recover` writes into its folder, and the tables that it and `calibrate` print.
 
+mod artist;
 mod ball;
 mod calibration;
 mod dark;
+mod difference;
 mod error_picture;
 mod group_picture;
 mod memory;
@@ -16,10 +18,12 @@ mod textures;
 pub(crate) use calibration::calibration;
 pub(crate) use summary::summary;
 
+use difference::{Difference, Missed};
+
 use crate::check::uvs;
 use crate::engine::Recovered;
 use crate::result_folder::MATERIALS;
-use crate::run::{Pictures, Run};
+use crate::run::{MissEntry, Pictures, Run};
 use crate::{Error, Job, report};
 use std::path::Path;
 use unrender_formats::{FileError, atomic, gltf, materials, picture};
@@ -67,11 +71,20 @@ pub(crate) fn write(
     let mut bad = 0;
     let file = textures::write(job, recovered, folder, &mut bad)?;
     let mut pictures = Vec::new();
+    let mut misses: Vec<Option<Missed>> = vec![None; recovery.groups.len()];
     for k in 0..job.photographs() {
         let number = if job.photographs() > 1 { format!("_{}", k + 1) } else { String::new() };
         let (alone, recovered) = (job.alone(k), recovered.alone(job, k));
-        pictures.push(write_pictures(&alone, &recovered, (folder, &number), &mut bad)?);
+        let difference = Difference::of(&alone, &recovered.recovery);
+        let to = (folder, number.as_str());
+        pictures.push(write_pictures(&alone, &recovered, &difference, to, &mut bad)?);
+        for (group, missed) in misses.iter_mut().enumerate() {
+            let more = difference.miss(&recovered.group_map, group, k + 1);
+            *missed = missed.zip(more).map(|(missed, more)| missed.and(more)).or(*missed).or(more);
+        }
     }
+    let misses: Vec<Option<MissEntry>> =
+        misses.into_iter().map(|missed| missed.map(Missed::entry)).collect();
     let balls = ball::write(job, recovered, folder)?;
     atomic::write(&folder.join("scene.glb"), &scene_file(job, recovered)?)?;
     let mut warnings = job.warnings.clone();
@@ -92,7 +105,7 @@ pub(crate) fn write(
         warn(&late);
         warnings.extend(late);
     }
-    let run = run_file::build(job, recovered, &file, (pictures, balls), warnings);
+    let run = run_file::build(job, recovered, &file, (pictures, balls, &misses), warnings);
     run.write(folder)?;
     report::write(folder)?;
     materials::write(&folder.join(MATERIALS), &file)?;
@@ -104,6 +117,7 @@ pub(crate) fn write(
 fn write_pictures(
     job: &Job,
     recovered: &Recovered,
+    difference: &Difference,
     (folder, number): (&Path, &str),
     bad: &mut usize,
 ) -> Result<Pictures, Error> {
@@ -113,18 +127,22 @@ fn write_pictures(
     let radiance = recovered.rerendered();
     *bad += picture::write_exr(&folder.join(format!("rerendered{number}.exr")), radiance)?;
     let exposure = recovered.exposure_of(job, 0);
-    let as_photo = radiance.map(|radiance| *radiance / exposure);
+    let denoised = recovered.denoised(job);
+    let as_photo = denoised.as_ref().unwrap_or(radiance).map(|radiance| *radiance / exposure);
     *bad += picture::write_png_srgb(&folder.join(&rerendered), &as_photo)?;
     let developed = job.transfer.exposure;
     let as_linear = recovered.photo(job).map(|radiance| *radiance / developed);
     *bad += picture::write_png_srgb(&folder.join(&photo), &as_linear)?;
     status_picture::write(job, recovery, &folder.join(&trust))?;
+    let errors = error_picture::write(difference, (folder, number))?;
     Ok(Pictures {
         photo,
         rerendered,
         trust,
         groups: group_picture::write(recovered, (folder, number))?,
-        errors: error_picture::write(job, recovery, (folder, number))?,
+        errors: errors.pictures,
+        difference: Some(errors.entry),
+        denoised: denoised.is_some(),
     })
 }
 

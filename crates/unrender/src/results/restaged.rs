@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::edit::{Composite, Photograph};
-use crate::report::{self, Exhibit};
+use crate::report::{self, Exhibit, Gallery};
 use std::ops::Range;
 use std::path::Path;
 use unrender_formats::picture::{self, Depth};
@@ -21,6 +21,7 @@ const SHOWN_MAX: usize = 24;
 pub(crate) fn write_composite(
     composite: &Composite,
     photograph: &Photograph,
+    edits: &[String],
     folder: &Path,
 ) -> Result<usize, Error> {
     let codes = composite.codes(photograph);
@@ -43,10 +44,9 @@ pub(crate) fn write_composite(
     }
     let after = Synthetic { radiance: &pair::after(&composite.paired), is_denoised: false };
     bad += write_synthetic(&after, Some(photograph), folder, None)?;
-    let before = as_srgb(photograph, &photograph.photo.radiance);
-    bad += picture::write_png_srgb(&folder.join("photo.png"), &before)?;
+    bad += write_photograph(photograph, folder)?;
     let pair = [
-        exhibit("photo.png", "photograph", "The photograph, developed."),
+        exhibit("photo.png", "photograph", "The photograph."),
         exhibit("composite.png", "composite", "The photograph with the change composited into it."),
     ];
     let others = [
@@ -58,8 +58,24 @@ pub(crate) fn write_composite(
             "White: pixels whose content the photograph does not show.",
         ),
     ];
-    write_page(folder, folder, Some(&pair), &others)?;
+    let gallery = Gallery { edits, pair: Some(&pair), exhibits: &others, ..titled() };
+    write_page(folder, folder, &gallery)?;
     Ok(bad)
+}
+
+/// Writes the photograph for the gallery, in the encoding of the pictures beside it; returns how many values were not
+/// finite.
+pub(crate) fn write_photograph(photograph: &Photograph, folder: &Path) -> Result<usize, FileError> {
+    let file = folder.join("photo.png");
+    match photograph.picture.depth {
+        Depth::Float => {
+            picture::write_png_srgb(&file, &as_srgb(photograph, &photograph.photo.radiance))
+        }
+        depth => {
+            picture::write_png_codes(&file, &photograph.picture.values, depth)?;
+            Ok(0)
+        }
+    }
 }
 
 /// Whether [`write_composite`] writes a file of this name.
@@ -75,37 +91,71 @@ pub(crate) fn writes_synthetic(name: &str, frames: Option<&Range<u32>>) -> bool 
     let number = stem.and_then(|stem| stem.strip_prefix("synthetic_"));
     let is_one = number.and_then(|number| number.parse().ok());
     let is_one = is_one.is_some_and(|n: u32| frames.is_none_or(|frames| frames.contains(&n)));
-    stem == Some("synthetic") || is_one || ["gallery.html", "manifest.json"].contains(&name)
+    stem == Some("synthetic")
+        || is_one
+        || ["photo.png", "gallery.html", "manifest.json"].contains(&name)
 }
 
-/// Writes the gallery of the synthetic pictures in the folder `pictures` with the numbers `numbers`,
-/// or of the only one; it states whether they were denoised.
+/// Synthetic pictures as a gallery shows them.
+pub(crate) struct Restaged<'a> {
+    /// The number of each in its sequence; none of the only one.
+    pub(crate) numbers: &'a [Option<usize>],
+    /// Whether they were denoised.
+    pub(crate) is_denoised: bool,
+    /// Whether there is a photograph, in photo.png, and whether the only picture shows the same pixels.
+    pub(crate) photograph: Option<Beside>,
+    /// The edits, a sentence each.
+    pub(crate) edits: &'a [String],
+}
+
+/// How a photograph stands beside new pictures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Beside {
+    /// The only new picture has its camera and size.
+    SameView,
+    /// They have other cameras or sizes.
+    OtherView,
+}
+
+/// Writes the gallery of synthetic pictures in the folder `pictures`.
 pub(crate) fn write_gallery(
     pictures: &Path,
     folder: &Path,
-    numbers: &[Option<usize>],
-    is_denoised: bool,
+    restaged: &Restaged<'_>,
 ) -> Result<(), Error> {
-    let caption = match is_denoised {
+    let caption = match restaged.is_denoised {
         true => "The scene after the edits. Denoised: neighbouring pixels have errors in common.",
         false => "The scene after the edits.",
     };
-    let step = numbers.len().div_ceil(SHOWN_MAX).max(1);
-    let shown = numbers.iter().step_by(step).map(|number| {
+    let step = restaged.numbers.len().div_ceil(SHOWN_MAX).max(1);
+    let shown = restaged.numbers.iter().step_by(step).map(|number| {
         let title = number.map_or("Picture".to_owned(), |n| format!("Picture {n}"));
         exhibit(&format!("{}.png", name_of(*number)), &title, caption)
     });
-    write_page(pictures, folder, None, &shown.collect::<Vec<_>>())
+    let photograph = exhibit("photo.png", "photograph", "The photograph.");
+    let mut exhibits: Vec<Exhibit> = shown.collect();
+    let pair = match (&exhibits[..], restaged.photograph) {
+        ([only], Some(Beside::SameView)) => {
+            Some([photograph.clone(), exhibit(&only.file, "edited", caption)])
+        }
+        _ => None,
+    };
+    match pair {
+        Some(_) => exhibits.clear(),
+        None if restaged.photograph.is_some() => exhibits.insert(0, photograph),
+        None => {}
+    }
+    let gallery =
+        Gallery { edits: restaged.edits, pair: pair.as_ref(), exhibits: &exhibits, ..titled() };
+    write_page(pictures, folder, &gallery)
 }
 
-fn write_page(
-    pictures: &Path,
-    folder: &Path,
-    pair: Option<&[Exhibit; 2]>,
-    exhibits: &[Exhibit],
-) -> Result<(), Error> {
-    let lead = "The pictures of unrender restage.";
-    let page = report::gallery("Restaged", lead, pictures, pair, exhibits)?;
+fn titled<'a>() -> Gallery<'a> {
+    Gallery { title: "Restaged", lead: "The pictures of unrender restage.", ..Gallery::default() }
+}
+
+fn write_page(pictures: &Path, folder: &Path, gallery: &Gallery<'_>) -> Result<(), Error> {
+    let page = report::gallery(pictures, gallery)?;
     Ok(atomic::write(&folder.join("gallery.html"), page.as_bytes())?)
 }
 

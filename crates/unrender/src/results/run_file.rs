@@ -1,15 +1,15 @@
 //! The records of a recovery in the form of run.json.
 
-use super::memory;
+use super::{artist, memory};
 use crate::Job;
 use crate::engine::Recovered;
 use crate::lighting::EnvironmentChoice;
 use crate::project::CameraTable;
 use crate::recovered::labels;
 use crate::run::{
-    CandidateEntry, DecisionEntry, GroupIterationEntry, Input, IterationEntry, LeftOut,
-    PhotographRun, Pictures, Program, RegistrationEntry, Run, RunGroup, SettingsEntry, Stages,
-    VERSION,
+    CandidateEntry, DecisionEntry, Ended, GroupIterationEntry, Input, IterationEntry, LeftOut,
+    MissEntry, PhotographRun, Pictures, Program, RegistrationEntry, Run, RunGroup, SettingsEntry,
+    Stages, VERSION, Verdict,
 };
 use indexmap::IndexMap;
 use serde_json::json;
@@ -24,7 +24,7 @@ pub(super) fn build(
     job: &Job,
     recovered: &Recovered,
     materials: &MaterialsFile,
-    (mut pictures, balls): (Vec<Pictures>, Vec<Option<String>>),
+    (mut pictures, balls, misses): (Vec<Pictures>, Vec<Option<String>>, &[Option<MissEntry>]),
     warnings: Warnings,
 ) -> Run {
     let recovery = &recovered.recovery;
@@ -46,11 +46,14 @@ pub(super) fn build(
             counted: LeftOut::count(status),
             map_color: super::hex(super::group_picture::color(index)),
             ball: balls[index].clone(),
+            miss: misses[index],
+            artist: Some(artist::entry(job.scene.brdf, &result.material)),
             selection_log: result.selection_log.iter().map(candidate).collect(),
             decisions: result.decisions.iter().map(decision).collect(),
         };
         (result.name.clone(), group)
     });
+    let groups: IndexMap<String, RunGroup> = groups.collect();
     Run {
         version: VERSION,
         program: Program {
@@ -65,6 +68,8 @@ pub(super) fn build(
         stages: stages(recovered),
         peak_memory_bytes: memory::peak_bytes(),
         termination: recovery.termination.message(recovery.iterations.len()),
+        ended: Ended::of(recovery.termination),
+        verdict: Verdict::of(groups.values()),
         warnings: warnings.0,
         exposure: recovery.exposure.to_array(),
         photograph: recovered.photographs[0].clone(),
@@ -76,7 +81,7 @@ pub(super) fn build(
         iterations: iterations
             .map(|(record, seconds)| iteration(record, *seconds, &recovery.groups))
             .collect(),
-        groups: groups.collect(),
+        groups,
         lights: materials.lights.clone(),
     }
 }
@@ -223,7 +228,7 @@ fn group_iteration(iteration: &GroupIteration) -> GroupIterationEntry {
 
 fn decision(decision: &Decision) -> DecisionEntry {
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
-    DecisionEntry {
+    let mut entry = DecisionEntry {
         iteration: decision.iteration,
         from: decision.from,
         to: decision.to,
@@ -231,10 +236,13 @@ fn decision(decision: &Decision) -> DecisionEntry {
         difference: finite(decision.difference),
         deviation: finite(decision.deviation),
         price: finite(decision.price),
+        sigmas: None,
         paths: decision.paths,
         accepted: decision.accepted,
         made: decision.is_made(),
-    }
+    };
+    entry.sigmas = entry.gain_in_sigmas();
+    entry
 }
 
 fn candidate(record: &CandidateRecord) -> CandidateEntry {

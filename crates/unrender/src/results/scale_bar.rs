@@ -5,7 +5,7 @@ use unrender_scene::Rgb;
 
 /// Digits and signs of 3 x 5 pixels: one number per row, the leftmost pixel is the highest of three
 /// bits.
-const GLYPHS: [(char, [u8; 5]); 13] = [
+const GLYPHS: [(char, [u8; 5]); 15] = [
     ('0', [7, 5, 5, 5, 7]),
     ('1', [2, 6, 2, 2, 7]),
     ('2', [7, 1, 7, 4, 7]),
@@ -19,10 +19,12 @@ const GLYPHS: [(char, [u8; 5]); 13] = [
     ('-', [0, 0, 7, 0, 0]),
     ('+', [0, 2, 7, 2, 0]),
     ('%', [5, 1, 2, 4, 5]),
+    ('≤', [1, 2, 1, 0, 7]),
+    ('≥', [4, 2, 4, 0, 7]),
 ];
 
 /// Marks on the scale, as shares of its half.
-const MARKS: [f32; 5] = [-1.0, -0.25, 0.0, 0.25, 1.0];
+const MARKS: [f32; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
 
 /// The bar's height for a picture of this width.
 pub(super) fn height(width: usize) -> usize {
@@ -37,18 +39,16 @@ fn zoom(width: usize) -> usize {
 pub(super) fn pixel(x: usize, y: usize, width: usize, full: f32, color: fn(f32) -> Rgb) -> Rgb {
     let zoom = zoom(width);
     if y < 4 * zoom {
-        // Values grow as the square of the position, so that small ones have room.
-        let place = 2.0 * (x as f32 + 0.5) / width as f32 - 1.0;
-        return color(place * place.abs());
+        return color(2.0 * (x as f32 + 0.5) / width as f32 - 1.0);
     }
     let (column, row) = (x / zoom, (y / zoom).saturating_sub(6));
     let columns = width / zoom;
     let inked = y >= 6 * zoom
         && row < 5
         && MARKS.iter().any(|&mark| {
-            let text = label(100.0 * full * mark);
+            let text = label(mark, 100.0 * full * mark);
             let length = 4 * text.chars().count();
-            let place = 0.5 + 0.5 * mark.signum() * mark.abs().sqrt();
+            let place = 0.5 + 0.5 * mark;
             let centre = (place * columns as f32) as usize;
             let start = centre.saturating_sub(length / 2).min(columns.saturating_sub(length));
             column >= start && column < start + length && ink(&text, column - start, row)
@@ -56,8 +56,14 @@ pub(super) fn pixel(x: usize, y: usize, width: usize, full: f32, color: fn(f32) 
     if inked { Rgb::ZERO } else { Rgb::ONE }
 }
 
-fn label(percent: f32) -> String {
-    if percent == 0.0 { "0".to_owned() } else { format!("{percent:+.0}%") }
+/// The label of a mark; the ends stand for all that is beyond, too.
+fn label(mark: f32, percent: f32) -> String {
+    match mark {
+        0.0 => "0".to_owned(),
+        -1.0 => format!("≤{percent:+.0}%"),
+        1.0 => format!("≥{percent:+.0}%"),
+        _ => format!("{percent:+.0}%"),
+    }
 }
 
 fn ink(text: &str, column: usize, row: usize) -> bool {

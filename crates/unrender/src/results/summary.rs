@@ -1,10 +1,11 @@
 //! The table at the end: the results at a glance. Black lamps are left out.
 
+use super::difference::Difference;
 use crate::Job;
 use crate::recovered::{Recovered, entries, labels};
 use crate::text_table::table;
 use unrender_formats::materials::{PhotographEntry, StatusEntry};
-use unrender_recover::{GroupResult, Recovery, Status};
+use unrender_recover::{GroupResult, Recovery, Status, Termination};
 use unrender_scene::{Hypothesis, Rgb};
 
 const HEADER: [&str; 8] =
@@ -67,26 +68,67 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     if job.side > 1 {
         text.push_str(&format!("the photo was reduced to squares of {0} x {0} pixels\n", job.side));
     }
-    let doubtful: Vec<&str> = recovery
-        .groups
-        .iter()
-        .filter(|group| group.status == Status::Doubtful)
-        .map(|group| group.name.as_str())
-        .collect();
-    let asked = recovery.groups.iter().filter(|group| group.status != Status::Known).count();
-    text.push_str(&format!(
-        "{:.1} s, {}\n",
-        recovered.times.all,
-        recovery.termination.message(recovery.iterations.len())
-    ));
-    if !doubtful.is_empty() {
-        text.push_str(&format!(
-            "{} of {asked} groups are doubtful: {}\n",
-            doubtful.len(),
-            doubtful.join(", ")
-        ));
-    }
+    text.push_str(&outcome(job, recovered));
     text
+}
+
+/// How it came out, in a sentence or three: the statuses of the groups, how far the re-rendering is from the photograph, and
+/// why it ended.
+fn outcome(job: &Job, recovered: &Recovered) -> String {
+    let recovery = &recovered.recovery;
+    let of = |status: Status| -> Vec<&str> {
+        let groups = recovery.groups.iter().filter(|group| group.status == status);
+        groups.map(|group| group.name.as_str()).collect()
+    };
+    let (done, doubtful) = (of(Status::Recovered).len(), of(Status::Doubtful));
+    let groups = if done == 1 { "group" } else { "groups" };
+    let mut text = format!("{done} {groups} recovered, ");
+    match doubtful.len() {
+        0 => text.push_str("none doubtful"),
+        count => text.push_str(&format!("{count} doubtful ({})", doubtful.join(", "))),
+    }
+    match of(Status::Assumed).len() {
+        0 => {}
+        count => text.push_str(&format!(", {count} assumed")),
+    }
+    text.push_str(". ");
+    if job.photographs() == 1 {
+        let [beyond, noise, _] = Difference::of(job, recovery).means();
+        text.push_str(&match beyond > 0.0 {
+            true => format!(
+                "The re-rendering differs from the photo by {}, beside noise of {}. ",
+                share(beyond),
+                share(noise)
+            ),
+            false => {
+                format!("The re-rendering matches the photo within noise of {}. ", share(noise))
+            }
+        });
+    }
+    let passes = match recovery.iterations.len() {
+        1 => "1 pass".to_owned(),
+        count => format!("{count} passes"),
+    };
+    let seconds = format!("{:.0} s", recovered.times.all);
+    text.push_str(&match recovery.termination {
+        Termination::Settled | Termination::Refined => {
+            format!("(Converged after {passes}, {seconds}.)\n")
+        }
+        Termination::IterationLimit | Termination::RefinementLimit => format!(
+            "(Stopped at the limit of {passes}, {seconds}; some parameters still moved by more than their standard \
+             deviation.)\n"
+        ),
+        Termination::Interrupted => format!(
+            "(Interrupted after {passes}, {seconds}: the results are the best that were verified until then.)\n"
+        ),
+        other => format!("({}, {seconds}.)\n", other.message(recovery.iterations.len())),
+    });
+    text
+}
+
+/// A share in percent.
+fn share(value: f64) -> String {
+    if value < 0.0005 { "less than 0.1 %".to_owned() } else { format!("{:.1} %", 100.0 * value) }
 }
 
 /// The photometric parameters, a line each.

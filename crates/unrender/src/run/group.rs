@@ -28,6 +28,12 @@ pub struct RunGroup {
     pub map_color: String,
     /// The picture of a ball of its material, relative to the file; null for black materials.
     pub ball: Option<String>,
+    /// What its re-rendering misses in the photograph; left out where it was not compared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub miss: Option<MissEntry>,
+    /// Its material in artists' units; left out in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub artist: Option<ArtistEntry>,
     /// The candidates, in the order in which they were tried.
     #[serde(alias = "story")]
     pub selection_log: Vec<CandidateEntry>,
@@ -53,12 +59,57 @@ pub struct DecisionEntry {
     pub deviation: Option<f64>,
     /// By how much the difference has to be below zero.
     pub price: Option<f64>,
+    /// The gain, `difference` with the other sign, in standard deviations; left out where it has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigmas: Option<f64>,
     /// Paths a pixel, in each of two renderings.
     pub paths: u32,
     /// Whether the rule accepts the change.
     pub accepted: bool,
     /// Whether the change was made by that.
     pub made: bool,
+}
+
+impl DecisionEntry {
+    /// The gain in standard deviations; none where it has none.
+    pub(crate) fn gain_in_sigmas(&self) -> Option<f64> {
+        let deviation = self.deviation.filter(|deviation| *deviation > 0.0)?;
+        Some(-self.difference? / deviation).filter(|sigmas| sigmas.is_finite())
+    }
+}
+
+/// Where the smoothed re-rendering of a group differs from the photograph by more than two standard deviations.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct MissEntry {
+    /// The share, 0 to 1, of its compared pixels where the re-rendering is too bright.
+    pub too_bright: f64,
+    /// The share where it is too dark.
+    pub too_dark: f64,
+    /// The largest such difference, re-rendering minus photograph, as a share of the photograph's mean; zero where
+    /// there is none.
+    pub largest: f64,
+    /// Where that is, as shares of the picture's width and height.
+    pub place: [f64; 2],
+    /// In which of several photographs, counted from one.
+    pub photograph: usize,
+}
+
+/// A material in artists' units: as sRGB, and as `unrender export --to blender` writes it.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct ArtistEntry {
+    /// The larger of its diffuse and specular reflectance as sRGB, `#rrggbb`.
+    pub color: String,
+    /// *Base Color* of Blender's Principled BSDF as sRGB, `#rrggbb`; of a texture its mean.
+    pub base_color: String,
+    /// *Roughness* in Blender: the square root of alpha; one without a lobe.
+    pub roughness: f32,
+    /// Whether *Metallic* is one.
+    pub metallic: bool,
+    /// *IOR* of a dielectric.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ior: Option<f32>,
+    /// Whether the lobe is a Glossy BSDF beside the Principled one.
+    pub glossy: bool,
 }
 
 /// One rung tried on one group.

@@ -8,11 +8,13 @@ mod camera;
 mod group;
 mod iteration;
 mod pictures;
+mod verdict;
 
 pub(crate) use camera::{recovered_camera, recovered_environment, recovered_size};
-pub use group::{CandidateEntry, DecisionEntry, LeftOut, RunGroup};
+pub use group::{ArtistEntry, CandidateEntry, DecisionEntry, LeftOut, MissEntry, RunGroup};
 pub use iteration::{GroupIterationEntry, IterationEntry};
-pub use pictures::{ErrorPicture, PhotographRun, Pictures, Stop, Unit};
+pub use pictures::{DifferenceEntry, ErrorPicture, PhotographRun, Pictures, Stop, Unit};
+pub use verdict::{Ended, Verdict};
 
 use crate::Error;
 use indexmap::IndexMap;
@@ -45,6 +47,12 @@ pub struct Run {
     pub peak_memory_bytes: Option<u64>,
     /// Why it ended, a sentence.
     pub termination: String,
+    /// Why it ended, a word; left out in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ended: Option<Ended>,
+    /// How many groups have which status.
+    #[serde(default)]
+    pub verdict: Verdict,
     /// Its warnings, a sentence each.
     pub warnings: Vec<String>,
     /// Scene radiance per unit of linear pixel value, by channel.
@@ -198,8 +206,9 @@ impl Run {
             let problem = format!("{problem}; name a folder that recover wrote");
             FileError::new(&path, problem)
         })?;
-        let run: Self =
+        let mut run: Self =
             serde_json::from_str(&text).map_err(|error| FileError::new(&path, error))?;
+        run.fill_in();
         if run.version > VERSION {
             let problem = format!("is of a later version than {VERSION}; use a newer unrender");
             return Err(FileError::new(&path, problem).into());

@@ -43,6 +43,27 @@ pub struct Pictures {
     pub groups: String,
     /// Where photograph and re-rendering differ.
     pub errors: Vec<ErrorPicture>,
+    /// How far they differ; left out in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub difference: Option<DifferenceEntry>,
+    /// Whether noise was removed from the re-rendering that is shown.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub denoised: bool,
+}
+
+/// How far a re-rendering is from its photograph.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct DifferenceEntry {
+    /// The root mean square of the smoothed difference of luminances without that of noise, as a share of the
+    /// photograph's mean; zero where noise explains all.
+    pub beyond_noise: f64,
+    /// That of the noise of both pictures.
+    pub noise: f64,
+    /// The share, 0 to 1, of the pixels that were compared.
+    pub compared: f64,
+    /// A picture of the values: code 128 plus 127 times the signed root of the difference, as a share of the
+    /// photograph's mean, at most one; zero where pixels were not compared.
+    pub values: String,
 }
 
 /// A picture of the difference of luminances, averaged over some pixels to each side.
@@ -65,6 +86,8 @@ pub struct ErrorPicture {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unit {
+    /// A share of the photograph's mean luminance.
+    Share,
     /// W sr^-1 m^-2, luminance.
     Radiance,
     /// Standard deviations of the noise of photograph and re-rendering.

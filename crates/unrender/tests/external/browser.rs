@@ -9,7 +9,7 @@ use crate::kit::programs::{installed, need};
 use crate::kit::recovered;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use unrender::report::{self, Exhibit};
+use unrender::report::{self, Exhibit, Gallery};
 
 /// The exit code of check.mjs if there is no browser.
 const NO_BROWSER: i32 = 77;
@@ -32,8 +32,14 @@ fn the_pages_work_in_a_browser() {
         caption: "The caption & more".to_owned(),
     };
     let exhibits = ["photo.png", "rerendered.png"].map(exhibit);
-    let text =
-        report::gallery("A gallery", "of two", &runs[0], Some(&exhibits), &exhibits).unwrap();
+    let gallery = Gallery {
+        title: "A gallery",
+        lead: "of two",
+        edits: &["Removed <b>sofa</b>.".to_owned()],
+        pair: Some(&exhibits),
+        exhibits: &exhibits,
+    };
+    let text = report::gallery(&runs[0], &gallery).unwrap();
     std::fs::write(folder.join("gallery.html"), text).unwrap();
     let output = Command::new("node").arg(scripts.join("check.mjs")).arg(&folder).output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();

@@ -2,7 +2,7 @@
 //! the refinement.
 
 use crate::kit::example::beside_crates;
-use crate::kit::folder::{Folder, fails, stderr};
+use crate::kit::folder::{Folder, ends_in_error, stderr};
 use std::fs;
 
 /// The factor in the message, if the example's photograph is stated to be `times` as bright.
@@ -13,7 +13,7 @@ fn told(folder: &Folder, times: f64) -> f64 {
     folder.write("off.toml", &project.replace("exposure = 1.79", &exposure));
     let output =
         folder.run(&["recover", "off.toml", "--out", "out", "--effort", "draft", "--quiet"]);
-    fails(&output, "no reflectances explain this photograph: the nearest leave");
+    ends_in_error(&output, "no reflectances explain this photograph: the nearest leave");
     let said = stderr(&output);
     let factor = said.split("scene were ").nth(1).and_then(|rest| rest.split(" times").next());
     factor.and_then(|factor| factor.parse().ok()).expect(&said)
@@ -46,7 +46,7 @@ fn lights_of_another_lighting_mode_are_refused_with_its_name() {
     folder.write("off.toml", &project);
     let output =
         folder.run(&["recover", "off.toml", "--out", "out", "--effort", "draft", "--quiet"]);
-    fails(&output, "light read as \"unitless\" would explain it");
+    ends_in_error(&output, "light read as \"unitless\" would explain it");
     let said = stderr(&output);
     assert!(said.contains("say light_units = \"unitless\" in the project"), "{said}");
 }

@@ -17,6 +17,7 @@ mod far;
 mod farm;
 mod fig8_recovery;
 mod fig8_reference;
+mod init;
 mod interrupt;
 mod large_photograph;
 mod long_render;

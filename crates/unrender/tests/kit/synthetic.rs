@@ -1,5 +1,6 @@
 //! Made-up results of recoveries: all fields of run.json filled, all pictures present.
 
+use indexmap::IndexMap;
 use std::path::Path;
 use unrender::formats::materials::{
     AlternativeEntry, GroupEntry, LightEntry, PanoramaEntry, PhotographEntry, PhotographStd,
@@ -7,9 +8,9 @@ use unrender::formats::materials::{
 };
 use unrender::formats::picture;
 use unrender::run::{
-    CandidateEntry, DecisionEntry, ErrorPicture, GroupIterationEntry, Input, IterationEntry,
-    LeftOut, Pictures, Program, RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, Stop,
-    Unit, VERSION,
+    ArtistEntry, CandidateEntry, DecisionEntry, DifferenceEntry, Ended, ErrorPicture,
+    GroupIterationEntry, Input, IterationEntry, LeftOut, MissEntry, Pictures, Program,
+    RegistrationEntry, Run, RunGroup, SettingsEntry, Stages, Stop, Unit, VERSION, Verdict,
 };
 use unrender::scene::{Hypothesis, Image, Rgb};
 
@@ -49,12 +50,17 @@ pub(crate) fn write(folder: &Path, names: &[String], (width, height): (usize, us
     write("rerendered.png", &grainy(0.7));
     write("trust.png", &grainy(0.5));
     write("error.png", &grainy(0.4));
+    // Code 191 is a quarter of the photograph's mean; the upper row of cells is not compared.
+    let values = Image::from_fn(width, height, |_, y| {
+        Rgb::splat(if y * rows < height { 0.0 } else { 191.0 / 255.0 })
+    });
+    std::fs::write(folder.join("report/values.png"), picture::png_bytes(&values).unwrap()).unwrap();
     let flat = Image::from_fn(width, height, |x, y| match cell(x, y) {
         group if group < names.len() => Rgb::from_array(color(group).map(|c| f32::from(c) / 255.0)),
         _ => Rgb::ZERO,
     });
     std::fs::write(folder.join("report/groups.png"), picture::png_bytes(&flat).unwrap()).unwrap();
-    let errors = [(true, Unit::Radiance), (false, Unit::Radiance), (true, Unit::Noise)];
+    let errors = [(true, Unit::Share), (false, Unit::Radiance), (true, Unit::Noise)];
     let errors = errors.into_iter().enumerate().map(|(index, (signed, unit))| {
         let file = format!("report/error_{index}.png");
         write(&file, &grainy(0.3));
@@ -69,6 +75,7 @@ pub(crate) fn write(folder: &Path, names: &[String], (width, height): (usize, us
         let map_color = format!("#{r:02x}{g:02x}{b:02x}");
         (name.clone(), RunGroup { map_color, ball: Some(ball), ..group(index, name) })
     });
+    let groups: IndexMap<String, RunGroup> = groups.collect();
     let run = Run {
         pictures: Pictures {
             photo: "photo.png".into(),
@@ -76,8 +83,16 @@ pub(crate) fn write(folder: &Path, names: &[String], (width, height): (usize, us
             trust: "trust.png".into(),
             groups: "report/groups.png".into(),
             errors,
+            difference: Some(DifferenceEntry {
+                beyond_noise: 0.004_321,
+                noise: 0.015_432,
+                compared: 0.97,
+                values: "report/values.png".into(),
+            }),
+            denoised: true,
         },
-        groups: groups.collect(),
+        verdict: Verdict::of(groups.values()),
+        groups,
         iterations: (1..=6).map(|number| iteration(number, names)).collect(),
         input: Input { width, height, ..input() },
         ..rest()
@@ -124,13 +139,6 @@ fn group(index: usize, name: &str) -> RunGroup {
         theta_deg: Some(0.0),
         error: Some(noise(index + 11)),
     };
-    let std = StdEntry {
-        rho_d: Some(triple(index + 100).map(|v| 1e-3 * v)),
-        rho_s: Some(triple(index + 200).map(|v| 1e-6 * v)),
-        alpha_x: Some(noise(index + 300) as f32 * 0.01),
-        alpha_y: Some(noise(index + 301) as f32 * 0.01),
-        theta_deg: Some(noise(index + 302) as f32),
-    };
     let entry = GroupEntry {
         hypothesis: Some(hypothesis),
         status: Some(serde_json::from_str("\"recovered\"").unwrap()),
@@ -140,7 +148,7 @@ fn group(index: usize, name: &str) -> RunGroup {
         rho_s: (!index.is_multiple_of(6)).then(|| triple(index + 500)),
         albedo_d: (index == 4).then(|| triple(index + 550)),
         reflectance: reflectance(index),
-        std: Some(std),
+        std: Some(std(index)),
         error: Some(noise(index + 600) * 0.1),
         alternatives: if index == 5 { vec![alternative] } else { Vec::new() },
         note: (index % 7 == 3).then(|| "rho_d and rho_s are tied together".to_owned()),
@@ -169,6 +177,7 @@ fn group(index: usize, name: &str) -> RunGroup {
         difference: Some(-120.5),
         deviation: Some(14.0),
         price: Some(21.0),
+        sigmas: Some(120.5 / 14.0),
         paths: 48,
         accepted: index > 0,
         made: index > 0,
@@ -181,8 +190,41 @@ fn group(index: usize, name: &str) -> RunGroup {
         asked: true,
         parts: if index == 4 { vec![vec!["a".into()], vec!["b".into()]] } else { Vec::new() },
         agrees_with: if index == 2 { vec![FAILED.to_owned()] } else { Vec::new() },
-        error_share: Some(noise(index + 800)),
+        error_share: Some(if index == 3 { 0.0002 } else { noise(index + 800) }),
+        miss: Some(miss(index)),
+        artist: Some(artist(index)),
         ..known(index)
+    }
+}
+
+fn std(index: usize) -> StdEntry {
+    StdEntry {
+        rho_d: Some(triple(index + 100).map(|v| 1e-3 * v)),
+        rho_s: Some(triple(index + 200).map(|v| 1e-6 * v)),
+        alpha_x: Some(noise(index + 300) as f32 * 0.01),
+        alpha_y: Some(noise(index + 301) as f32 * 0.01),
+        theta_deg: Some(noise(index + 302) as f32),
+    }
+}
+
+fn miss(index: usize) -> MissEntry {
+    MissEntry {
+        too_bright: 0.3 * noise(index + 801),
+        too_dark: 0.3 * noise(index + 802),
+        largest: noise(index + 803) - 0.5,
+        place: [noise(index + 804), noise(index + 805)],
+        photograph: 1,
+    }
+}
+
+fn artist(index: usize) -> ArtistEntry {
+    ArtistEntry {
+        color: "#a1b2c3".to_owned(),
+        base_color: if index == 2 { "#112233" } else { "#a1b2c3" }.to_owned(),
+        roughness: noise(index + 806) as f32,
+        metallic: index == 5,
+        ior: (index == 4).then_some(1.5),
+        glossy: index == 2,
     }
 }
 
@@ -286,6 +328,7 @@ fn rest() -> Run {
         },
         peak_memory_bytes: Some(223_456_789),
         termination: "refined together after 6 global re-renderings".into(),
+        ended: Some(Ended::Converged),
         warnings: vec!["the lamp \"<b>a & b</b>\" is 3 m away".into()],
         exposure: triple(21),
         exposure_std: Some(triple(22)),

@@ -95,7 +95,7 @@ def shiny(nodes, links, group):
     node = nodes.new("ShaderNodeBsdfAnisotropic")
     node.distribution = group["microfacets"]
     node.inputs["Color"].default_value = (*group["rho_s"], 1)
-    node.inputs["Roughness"].default_value = math.sqrt(group["alpha"])
+    node.inputs["Roughness"].default_value = group["roughness"]
     node.inputs["Anisotropy"].default_value = group["anisotropy"]
     if group["anisotropy"] > 0:
         tangent = nodes.new("ShaderNodeTangent")
@@ -108,10 +108,9 @@ def shiny(nodes, links, group):
 def principled(nodes, group):
     """A plastic or a metal: Blender's own."""
     node = nodes.new("ShaderNodeBsdfPrincipled")
-    is_metal = group["reflectance"] == "metal"
-    node.inputs["Base Color"].default_value = (*group["rho_s" if is_metal else "rho_d"], 1)
-    node.inputs["Metallic"].default_value = float(is_metal)
-    node.inputs["Roughness"].default_value = math.sqrt(group["alpha"])
+    node.inputs["Base Color"].default_value = (*group["base_color"], 1)
+    node.inputs["Metallic"].default_value = float(group["metallic"])
+    node.inputs["Roughness"].default_value = group["roughness"]
     if group["ior"]:
         node.inputs["IOR"].default_value = group["ior"]
     return node

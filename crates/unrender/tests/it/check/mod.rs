@@ -1,5 +1,6 @@
 //! The warnings of `unrender check`: one faulty input per test, on a small room made up here.
 
+mod faults;
 mod overlaps;
 mod room;
 
@@ -244,7 +245,7 @@ fn bright_dark_and_clipped_photos_are_reported() {
         Input::new(&room(), camera(), codes, Response::Srgb, text)
     };
     of(20.0, "exposure = 0.05\n").warns("cannot be used", "another exposure");
-    of(20.0, "exposure = 0.05\n").warns("group \"back_wall\"", "clipped");
+    of(20.0, "exposure = 0.05\n").warns("\"back_wall\" (", "clipped");
     of(0.01, "exposure = 100\n").warns("very dark", "take a longer exposure");
     of(0.5, "exposure = 100\n").warns("times as bright as", "exposure = \"auto\"");
     of(0.5, "exposure = 0.02\n").warns("times darker than", "strength of the lights");
@@ -409,7 +410,8 @@ fn groups_that_are_unseen_small_or_dark_are_reported() {
     };
     block(Vec3::new(0.0, 0.5, -3.0), 0.5)
         .warns("no pixel shows \"block\"", "state it as known in [groups.NAME]");
-    block(Vec3::new(0.0, 0.1, 0.0), 0.06).warns("group \"block\" has only", "state it as known");
+    block(Vec3::new(0.0, 0.1, 0.0), 0.06)
+        .warns("fewer than 40 valid pixels show \"block\"", "state it as known");
     // The camera is in a closed box, whose walls keep out the light of the lamp.
     let mut scene = room();
     let dark = cuboid(Vec3::new(-0.9, 0.0, -0.9), Vec3::new(0.9, 1.9, 0.9));

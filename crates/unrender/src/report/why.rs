@@ -1,0 +1,187 @@
+//! Why a group has its kind of material: what it was compared with and by how much it won, and what it still misses.
+
+use super::number::{Shown, count, number, percent};
+use super::{Key, RunFolder};
+use crate::run::{DecisionEntry, MissEntry, RunGroup};
+use maud::{Markup, html};
+use unrender_formats::materials::{Hypothesis, Status, StatusEntry};
+
+/// Misses on less than this share of a group's pixels are chance: noise alone exceeds two standard deviations on 5 %.
+/// At half of it groups that match are said to miss; at double of it edges of a wrong highlight go unsaid.
+const BY_CHANCE: f64 = 0.1;
+
+/// Evidence counts as significant from here, in standard deviations. At half of it chance is evidence; double of it
+/// passes over evidence on pixels for that on samples.
+const SIGNIFICANT: f64 = 2.0;
+
+/// The reason in words.
+pub(super) fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
+    let hypothesis = group.entry.hypothesis.unwrap_or(Hypothesis::Diffuse);
+    let key = source.key.at("groups").at(name);
+    let last = group.decisions.iter().rposition(|decision| decision.made);
+    html! {
+        @match (&group.entry.status, last) {
+            (Some(StatusEntry::Ignored), _) => "Left out by the project; it keeps the scene's material.",
+            (Some(StatusEntry::SameAs(other)), _) => { "One material with " (other) ", as the project states." }
+            (Some(StatusEntry::Of(Status::Known)), _) => "Given by the project or the scene, not recovered.",
+            (Some(StatusEntry::Of(Status::Assumed)), None) => "No valid pixel determines it; the values are a guess.",
+            _ if source.run.settings.ladder == "paper" => "The paper's ladder stopped here: its error is below the \
+                threshold, or nothing comes after it.",
+            (_, Some(last)) => { (won(&key, group, hypothesis, last)) (rivals(&key, group, hypothesis, last + 1)) }
+            (_, None) if group.decisions.is_empty() => (alone(&key, group, hypothesis)),
+            (_, None) => (rivals(&key, group, hypothesis, 0)),
+        }
+    }
+}
+
+/// A group for which nothing was compared.
+fn alone(key: &Key, group: &RunGroup, hypothesis: Hypothesis) -> Markup {
+    html! {
+        "Nothing was compared with " (hypothesis) ": it leaves "
+        (percent(&key.at("error"), group.entry.error)) " on "
+        (count(&key.at("counted").at("valid"), group.counted.valid)) " valid pixels."
+    }
+}
+
+/// The change that the decision number `last` made, and the evidence for it.
+fn won(key: &Key, group: &RunGroup, hypothesis: Hypothesis, last: usize) -> Markup {
+    let decisions = &group.decisions;
+    let made = &decisions[last];
+    let proposes = |of: &DecisionEntry| {
+        of.accepted && !of.made && of.iteration == made.iteration && of.to == made.to
+    };
+    let proposals: Vec<usize> =
+        (0..last).rev().filter(|index| proposes(&decisions[*index])).collect();
+    let sigmas = |index: usize| decisions[index].sigmas.unwrap_or(0.0);
+    // What was measured on pixels comes before what light samples say, where it is significant.
+    let significant = proposals.iter().copied().find(|index| sigmas(*index) > SIGNIFICANT);
+    let best = proposals.iter().copied().max_by(|a, b| sigmas(*a).total_cmp(&sigmas(*b)));
+    let evidence = significant.or(best).unwrap_or(last);
+    // A lobe may be a plastic's or a metal's.
+    let to = if made.to.of_paper() == hypothesis.of_paper() { hypothesis } else { made.to };
+    let key = key.at("decisions").at(evidence);
+    let of = &decisions[evidence];
+    html! {
+        (capital(to)) " instead of " (made.from) ": "
+        @match of.rule.as_str() {
+            "own pixels" => { "re-rendered, it fits the group's own pixels better" (by(&key, of)) }
+            "light samples" => { "with the light sampled at its pixels, it fits better" (by(&key, of)) }
+            "other groups" => { "the groups that it lights fit better" (by(&key, of)) }
+            "prediction" => { "texels from some of its pixels predict the others better" (by(&key, of)) }
+            "picture" | "branch" => { "the whole picture fits better" (by(&key, of)) }
+            "simpler" => { "the additional parameters of " (made.from) " are not significant." }
+            "project" => "the project allows no other.",
+            _ => "the paper's rules chose it.",
+        }
+    }
+}
+
+/// How much better, in standard deviations, and what it had to gain.
+fn by(key: &Key, of: &DecisionEntry) -> Markup {
+    let price = of.price.filter(|price| *price > 0.0);
+    html! {
+        @if let Some(sigmas) = of.sigmas {
+            " by " (number(&key.at("sigmas"), sigmas, Shown::Significant(2))) " standard deviations"
+        }
+        @if let (Some(difference), Some(price)) = (of.difference, price) {
+            " (gain " (number(&key.at("difference"), difference, Shown::Gain(3))) ", price of its parameters "
+            (number(&key.at("price"), price, Shown::Significant(2))) ")"
+        }
+        "."
+    }
+}
+
+fn gain(of: &DecisionEntry) -> f64 {
+    -of.difference.unwrap_or(0.0)
+}
+
+/// The kinds that were compared and not chosen from the decision number `start` on: the nearest of each sort.
+fn rivals(key: &Key, group: &RunGroup, hypothesis: Hypothesis, start: usize) -> Markup {
+    let is_texture = |of: &DecisionEntry| of.rule == "prediction";
+    let lost = |texture: bool| {
+        let all = group.decisions.iter().enumerate().skip(start);
+        let lost = all.filter(|(_, of)| !of.made && of.difference.is_some());
+        let lost = lost.filter(|(_, of)| of.to != hypothesis && is_texture(of) == texture);
+        lost.max_by(|(_, a), (_, b)| gain(a).total_cmp(&gain(b)))
+    };
+    let (rival, texture) = (lost(false), lost(true));
+    html! {
+        @if start == 0 && rival.is_none() {
+            (capital(hypothesis)) ": no uniform rival came near. "
+        }
+        @if let Some((index, of)) = rival {
+            (nearest(&key.at("decisions").at(index), of, (start == 0).then_some(hypothesis)))
+        }
+        @if let Some((index, of)) = texture {
+            @let key = key.at("decisions").at(index);
+            " A texture " (compared(&key, of))
+        }
+    }
+}
+
+/// The nearest rival, of the hypothesis that was kept from the start if there is one.
+fn nearest(key: &Key, of: &DecisionEntry, kept: Option<Hypothesis>) -> Markup {
+    html! {
+        @match kept {
+            Some(kept) => { (capital(kept)) ": the nearest rival, " (of.to) ", " }
+            None => { " After that, " (of.to) " " }
+        }
+        (compared(key, of))
+    }
+}
+
+/// What a rival gained, and why that was not enough.
+fn compared(key: &Key, of: &DecisionEntry) -> Markup {
+    let price = of.price.unwrap_or(0.0);
+    let gains = html! {
+        (number(&key.at("difference"), of.difference.unwrap_or(0.0), Shown::Gain(2)))
+        @if let Some(deviation) = of.deviation {
+            " ± " (number(&key.at("deviation"), deviation, Shown::Significant(2)))
+        }
+    };
+    html! {
+        @if gain(of) <= 0.0 {
+            "fits no better (gain " (gains) ")."
+        } @else if gain(of) < price {
+            "gains " (gains) ", less than the price of its parameters ("
+            (number(&key.at("price"), price, Shown::Significant(2))) ")."
+        } @else {
+            "gains " (gains) ", which is not significant."
+        }
+    }
+}
+
+fn capital(hypothesis: Hypothesis) -> String {
+    let name = hypothesis.name();
+    name[..1].to_uppercase() + &name[1..]
+}
+
+/// What the group still misses, and where; nothing where it matches.
+pub(super) fn miss(key: &Key, name: &str, (miss, is_doubtful): (&MissEntry, bool)) -> Markup {
+    if miss.too_bright + miss.too_dark < BY_CHANCE {
+        let hidden = "Noise hides where it differs: the map shows no place.";
+        return html! { @if is_doubtful { (hidden) } };
+    }
+    let share = |part: &str, value: f64| number(&key.at(part), value, Shown::Share);
+    html! {
+        "It is "
+        @if miss.too_bright > 0.0 { "too bright on " (share("too_bright", miss.too_bright)) " %" }
+        @if miss.too_bright > 0.0 && miss.too_dark > 0.0 { " and " }
+        @if miss.too_dark > 0.0 { "too dark on " (share("too_dark", miss.too_dark)) " %" }
+        " of its pixels; at most by "
+        span class="whole" { (number(&key.at("largest"), miss.largest, Shown::Signed)) " %" }
+        " of the photograph's mean, " (place(miss.place)) ". "
+        button type="button" class="show" data-x=(miss.place[0]) data-y=(miss.place[1])
+            data-viewer=(miss.photograph.saturating_sub(1)) aria-label={ "Show where " (name) " differs most" } { "Show" }
+    }
+}
+
+/// A place in the picture in words, by thirds.
+fn place([x, y]: [f64; 2]) -> &'static str {
+    let third = |at: f64| ((3.0 * at) as usize).min(2);
+    [
+        ["at the upper left", "at the top", "at the upper right"],
+        ["at the left", "in the middle", "at the right"],
+        ["at the lower left", "at the bottom", "at the lower right"],
+    ][third(y)][third(x)]
+}
