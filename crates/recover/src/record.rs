@@ -323,7 +323,7 @@ pub trait Observer: Sync {
     fn wants_picture(&self) -> bool {
         false
     }
-    /// Receives it, in linear values of the photograph.
+    /// Receives it: radiance, as the photograph of the problem has it.
     fn picture(&mut self, _rough: RgbImage) {}
     /// Whether to stop with the present results; asked between iterations.
     fn is_cancelled(&self) -> bool {

@@ -90,7 +90,9 @@ pub(crate) fn before_recovery(
     tracer: &Tracer,
     registered: &RegisteredModel,
 ) -> Vec<Finding> {
-    examined(job, tracer, registered, |subject| {
+    // The tracer of a recovery has all lamps on.
+    let own = (!job.off.is_empty()).then(|| Tracer::new(&job.lit_in(0)));
+    examined(job, own.as_ref().unwrap_or(tracer), registered, |subject| {
         findings(subject, &edges::find(subject)).gravest_first()
     })
 }

@@ -315,7 +315,7 @@ fn recovered_with(
     let is_full = args.picture == PictureSize::Full && job.side > 1;
     let share = if is_full { all * (1.0 - FULL_SHARE) } else { all };
     let (is_papers, pausable) = (asked.paper.is_some(), Pausable::new());
-    let growing = growing.and_then(GrowingPicture::new);
+    let growing = growing.and_then(|folder| GrowingPicture::new(folder, job.project.exposure));
     let mut follower = RecoveryProgress { progress, is_papers, share, pausable, journal, growing };
     let mut recovered = engine::recover(job, &asked, &mut follower)?;
     drop(follower);
