@@ -54,8 +54,6 @@ pub(crate) struct GroupGuess {
     /// Whether no light reaches it where the photograph shows it.
     pub(crate) is_dark: bool,
     pub(crate) note: Option<String>,
-    /// Why it has no texture, though nothing uniform explained it when it was asked last.
-    pub(crate) untextured: Option<String>,
     /// The hypotheses that its last comparison left open.
     pub(crate) undecided: Vec<Hypothesis>,
     pub(crate) std: Option<Deviations>,
@@ -71,34 +69,6 @@ impl GroupGuess {
             Some(before) => Some(format!("{before}; {note}")),
             None => Some(note),
         };
-    }
-
-    /// Writes into the selection log, after the verification, whether the last compared candidate that was `tried` was
-    /// accepted; if so, the others were not.
-    pub(crate) fn set_accepted(&mut self, tried: Hypothesis, accepted: bool) {
-        let Some(last) = self.selection_log.last().map(|candidate| candidate.iteration) else {
-            return;
-        };
-        let of_last = self.selection_log.iter_mut().rev().take(hypothesis::UNIFORM.len());
-        for candidate in of_last.filter(|candidate| candidate.iteration == last) {
-            if candidate.hypothesis == tried {
-                candidate.accepted = accepted;
-            } else if accepted {
-                candidate.accepted = false;
-            }
-        }
-    }
-
-    /// The last record of each hypothesis among the newest in the selection log.
-    pub(crate) fn last_candidates(&self) -> impl Iterator<Item = &CandidateRecord> {
-        let last = self.selection_log.iter().rev().take(hypothesis::UNIFORM.len());
-        let newest = |candidate: &&CandidateRecord| {
-            let newer = self.selection_log.iter().rev();
-            newer
-                .take_while(|other| !std::ptr::eq(*other, *candidate))
-                .all(|other| other.hypothesis != candidate.hypothesis)
-        };
-        last.filter(newest)
     }
 
     /// Whether the last entry of the selection log is not of `hypothesis`.
@@ -138,7 +108,6 @@ impl<'a> Guess<'a> {
             seen_texels: None,
             is_dark: false,
             note: None,
-            untextured: None,
             undecided: Vec::new(),
             std: None,
             alternatives: Vec::new(),

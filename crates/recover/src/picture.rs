@@ -25,7 +25,7 @@ pub(crate) fn finish(
     let by_more = (termination != Termination::Interrupted).then_some(options);
     let error = |group: usize| GroupError::of(&guess, group, &halves, by_more);
     let errors: Vec<GroupError> = (0..guess.materials.len()).map(error).collect();
-    let whole = errors.iter().map(|error| error.measured.error.max(0.0)).sum();
+    let whole = errors.iter().map(|error| error.squares.square.max(0.0)).sum();
     let groups = errors.iter().enumerate().map(|(group, error)| {
         let decisions = progress.decisions.iter().filter(|(of, _)| *of == group);
         let decisions = decisions.map(|(_, decision)| decision.clone()).collect();
@@ -84,11 +84,7 @@ fn group_result(guess: &Guess<'_>, group: usize, error: &GroupError, whole: f64)
     let is_guess =
         of_group.status == Status::Recovered && valid.is_empty() && of_group.std.is_none();
     let status = if is_guess { Status::Assumed } else { of_group.status };
-    let doubts = [
-        error.doubt(),
-        of_group.untextured.clone(),
-        undecided(of_group.hypothesis, &of_group.undecided),
-    ];
+    let doubts = [error.doubt(), undecided(of_group.hypothesis, &of_group.undecided)];
     let doubt = doubts.into_iter().flatten().reduce(joined).filter(|_| status == Status::Recovered);
     let assumed = || {
         let is_unseen = guess.materials[group] == spec.unseen();
@@ -110,8 +106,8 @@ fn group_result(guess: &Guess<'_>, group: usize, error: &GroupError, whole: f64)
         seen_texels: of_group.seen_texels.clone(),
         pixels: observation.all_pixels_of_group[group].len(),
         valid_pixels: valid.len(),
-        error: error.measured.relative(),
-        error_share: error.measured.share_of(whole),
+        error: error.squares.relative(),
+        error_share: error.squares.share_of(whole),
         selection_log: of_group.selection_log.clone(),
         decisions: Vec::new(),
         note,

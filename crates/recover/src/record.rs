@@ -166,17 +166,10 @@ pub struct Decision {
     pub price: f64,
     /// Paths a pixel, in each of two renderings, that this rests on; zero where pixels have different numbers of them.
     pub paths: u32,
-    /// Whether the rule accepts the change, which is made if that rule is the last one ([`Rule::is_last`]).
+    /// Whether the change was made.
     pub accepted: bool,
     /// By which rule.
     pub rule: Rule,
-}
-
-impl Decision {
-    /// Whether the change was made by it.
-    pub fn is_made(&self) -> bool {
-        self.accepted && self.rule.is_last()
-    }
 }
 
 /// The rules that decide over a change of a hypothesis.
@@ -184,45 +177,31 @@ impl Decision {
 #[non_exhaustive]
 pub enum Rule {
     /// On samples of the light that arrives at the group's pixels: the simplest hypothesis that no other beats by two
-    /// standard deviations is proposed, if it is another one. Where none is, `to` is the one that came nearest.
+    /// standard deviations is taken, if it is another one. Where none is, `to` is the one that came nearest.
     LightSamples,
     /// Texels from some of the group's pixels have to predict the others better than a uniform reflectance does.
     Prediction,
-    /// The group's own pixels, re-rendered, have to support more numbers: gain the price, or at least not be wrong.
-    OwnPixels,
     /// The other groups' pixels have to gain the price and two standard deviations: a specular part of this group lights
     /// them.
     OtherGroups,
-    /// The whole picture, re-rendered with all the changes that are tried together, must not be explained worse by three
-    /// standard deviations.
-    Picture,
-    /// The whole picture has to be explained better by three standard deviations, after the groups nearby were asked again.
-    Branch,
     /// Where its numbers are not significant: the simpler hypothesis has to explain the group as well.
     Simpler,
     /// The project allows no other.
     Project,
     /// A method other than the default one goes by rules of its own: the paper's by thresholds of the error.
     Method,
-    /// The refinement or the branch in which it was made was taken back: the whole picture was explained worse after it.
+    /// It was taken back: with a texture the group's re-rendered pixels were explained worse, or after the refinement that
+    /// followed the whole picture was.
     TakenBack,
 }
 
 impl Rule {
-    /// Whether what it accepts is made; other rules come before `Picture`.
-    pub fn is_last(self) -> bool {
-        matches!(self, Self::Picture | Self::Branch | Self::Simpler | Self::Project | Self::Method)
-    }
-
     /// Its name in `run.json`.
     pub fn name(self) -> &'static str {
         match self {
             Self::LightSamples => "light samples",
             Self::Prediction => "prediction",
-            Self::OwnPixels => "own pixels",
-            Self::Picture => "picture",
             Self::OtherGroups => "other groups",
-            Self::Branch => "branch",
             Self::Simpler => "simpler",
             Self::Project => "project",
             Self::Method => "method",

@@ -61,20 +61,11 @@ impl<'a> Comparison<'a> {
         Self { fits, evidence, independent, differences: BTreeMap::new() }
     }
 
-    /// Chooses among the fits that are `allowed`, by index (the first always is): the simplest one that no other
-    /// certainly beats. With `simpler`, the simplest is preferred whose error is at most so many times the least.
-    pub(crate) fn choose(
-        &mut self,
-        allowed: &dyn Fn(usize) -> bool,
-        simpler: Option<f64>,
-    ) -> Choice {
-        let competing: Vec<usize> =
-            (0..self.fits.len()).filter(|i| *i == 0 || allowed(*i)).collect();
-        let errors: Vec<f64> =
-            competing.iter().map(|i| self.fits[*i].residual.relative()).collect();
-        let of = |i: usize, j: usize| self.excess(competing[i], competing[j]);
-        let (chosen, open) = choose(&errors, simpler, of);
-        let (chosen, open) = (competing[chosen], open.into_iter().map(|i| competing[i]).collect());
+    /// Chooses the simplest fit that no other certainly beats. With `simpler`, the simplest is preferred whose error is at
+    /// most so many times the least.
+    pub(crate) fn choose(&mut self, simpler: Option<f64>) -> Choice {
+        let errors: Vec<f64> = self.fits.iter().map(|fit| fit.residual.relative()).collect();
+        let (chosen, open) = choose(&errors, simpler, |i, j| self.excess(i, j));
         let excess = (0..self.fits.len()).map(|i| self.excess(i, chosen)).collect();
         Choice { chosen, excess, open }
     }

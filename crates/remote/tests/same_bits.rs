@@ -226,9 +226,7 @@ fn threads_change_no_bit() {
 fn a_recovery_goes_on_to_the_same_bits() {
     let options = Options { effort: Effort::Draft, spp: 4, ..Options::default() };
     let kinds = goes_on(Role::Unknown, &Hypothesis::ALL, by(&options));
-    for kind in
-        ["candidates", "verification", "own verification", "pass", "texture", "other minima"]
-    {
+    for kind in ["candidates", "look", "verification", "pass", "texture", "other minima"] {
         assert!(kinds.contains(kind), "{kind}: {kinds:?}");
     }
 }

@@ -64,11 +64,6 @@ impl Contrast {
         4.0 * self.separation.max(0.0) + self.noise
     }
 
-    /// Whether the difference is consistent with the one model being right.
-    pub fn may_be_right(&self) -> bool {
-        self.difference + self.separation.max(0.0) < CERTAIN * self.variance().sqrt()
-    }
-
     /// Compares the one model with the other.
     pub fn of(blocks: &Blocks, [mine, other]: [&Side<'_>; 2]) -> Self {
         let (a, b) = (Reference::of(mine, other), Reference::of(other, mine));

@@ -4,8 +4,7 @@
 //! again ([`crate::selection`]). What none explains may be outliers ([`crate::outliers`]). A texture is no such candidate: it
 //! is looked for by itself ([`crate::texture`]).
 //! Only the worst groups are asked at a time, because a wrong group spoils the light of its
-//! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself; the
-//! driver accepts it if the re-rendering of the whole picture is not worse for it.
+//! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself: the driver makes it.
 
 use super::compared::{Asking, Compared, Fitted, decide, is_explained};
 use super::evidence_pair::{EvidencePair, Fits, Gathering};
@@ -57,45 +56,24 @@ pub(crate) struct Candidates<'o> {
     asked: Vec<usize>,
     /// At which level each group was asked last.
     asked_at: Vec<Option<Level>>,
-    /// Hypotheses that the whole picture spoke against.
-    rejected: Vec<Vec<Hypothesis>>,
-    /// A group whose hypothesis is held while the others are asked.
-    held: Option<usize>,
+    /// Groups whose specular part the other groups' pixels support: their own do not take it from them.
+    kept: Vec<usize>,
 }
 
 impl<'o> Candidates<'o> {
     pub(crate) fn new(guess: &Guess<'_>, options: &'o Options) -> Self {
         let groups = guess.materials.len();
-        Self {
-            options,
-            asked: vec![0; groups],
-            asked_at: vec![None; groups],
-            rejected: vec![Vec::new(); groups],
-            held: None,
-        }
+        Self { options, asked: vec![0; groups], asked_at: vec![None; groups], kept: Vec::new() }
     }
 
-    /// Remembers that the re-rendering spoke against `proposal`.
-    pub(crate) fn reject(&mut self, proposal: &Proposal) {
-        self.rejected[proposal.group].push(proposal.hypothesis);
-    }
-
-    /// Gives rejected hypotheses another chance, under better light.
-    pub(crate) fn forget_rejections(&mut self) {
-        self.rejected.iter_mut().for_each(Vec::clear);
-    }
-
-    /// Lets `groups` be asked again at the present level, for rejected hypotheses too: their light has changed.
+    /// Lets `groups` be asked again at the present level: their light has changed.
     pub(crate) fn ask_again(&mut self, groups: &[usize]) {
-        for &group in groups {
-            self.asked_at[group] = None;
-            self.rejected[group].clear();
-        }
+        groups.iter().for_each(|group| self.asked_at[*group] = None);
     }
 
-    /// Leaves `group` as it is until another one, or none, is held.
-    pub(crate) fn hold(&mut self, group: Option<usize>) {
-        self.held = group;
+    /// The specular part of `group` stays whatever its own pixels say.
+    pub(crate) fn keep(&mut self, group: usize) {
+        self.kept.push(group);
     }
 
     /// Groups whose hypothesis does not explain the photograph yet.
@@ -112,8 +90,13 @@ impl<'o> Candidates<'o> {
         guess.visible_unknowns().into_iter().filter(is_open).collect()
     }
 
-    /// Other hypotheses for the groups in error, the worst ones among those that were not asked at
-    /// this level in their present light.
+    /// The light is refined from now on: every group may be asked as often again.
+    pub(crate) fn begin_refined(&mut self) {
+        self.asked.fill(0);
+    }
+
+    /// Other hypotheses for the groups in error, and of those with a specular part, and under the refined light of all: of
+    /// the worst ones among those that were not asked at this level in their present light.
     pub(crate) fn propose_worst(
         &mut self,
         guess: &mut Guess<'_>,
@@ -122,17 +105,14 @@ impl<'o> Candidates<'o> {
     ) -> Vec<Proposal> {
         loop {
             let open = self.open(guess, level);
-            let climbed = |g: &usize| {
-                let hypothesis = guess.groups[*g].hypothesis;
-                !matches!(hypothesis, Hypothesis::Diffuse | Hypothesis::Textured)
+            let is_wanted = |g: &usize| match guess.groups[*g].hypothesis {
+                Hypothesis::Textured => false,
+                Hypothesis::Diffuse => level == Level::Refined || open.contains(g),
+                _ => true,
             };
-            let asked = |g: &usize| {
-                let is_new = self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
-                is_new && self.held != Some(*g)
-            };
+            let asked = |g: &usize| self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
             let wanted = guess.visible_unknowns().into_iter();
-            let wanted: Vec<usize> =
-                wanted.filter(|g| open.contains(g) || climbed(g)).filter(asked).collect();
+            let wanted: Vec<usize> = wanted.filter(|g| is_wanted(g) && asked(g)).collect();
             let error =
                 |g: usize| guess.groups[g].likelihood.map_or(f64::INFINITY, |l| l.error.share);
             let worst = wanted.iter().map(|g| error(*g)).fold(0.0, f64::max);
@@ -153,17 +133,6 @@ impl<'o> Candidates<'o> {
         }
     }
 
-    /// Forgets why groups have no texture if their refined numbers explain them after all.
-    pub(crate) fn forget_explained(&self, guess: &mut Guess<'_>) {
-        for group in guess.visible_unknowns() {
-            let limit = UNEXPLAINED * typical(guess, group);
-            let of_group = &mut guess.groups[group];
-            if of_group.likelihood.is_some_and(|left| left.error.share <= limit) {
-                of_group.untextured = None;
-            }
-        }
-    }
-
     /// For groups whose hypothesis is not allowed: the best one that is, whatever the picture says.
     pub(crate) fn allowed(
         &mut self,
@@ -180,7 +149,7 @@ impl<'o> Candidates<'o> {
     }
 
     /// Another hypothesis for `group`; none if the present one stands. What its candidates came to is noted in `guess`.
-    pub(crate) fn propose(
+    fn propose(
         &mut self,
         guess: &mut Guess<'_>,
         group: usize,
@@ -195,6 +164,8 @@ impl<'o> Candidates<'o> {
         let answer = guess.steps.value("candidates", || self.ask(guess, group, level));
         let from = guess.groups[group].hypothesis;
         if let Some((to, measured)) = answer.decision {
+            let is_made = answer.proposal.as_ref().is_some_and(|made| made.hypothesis == to);
+            let measured = Measured { holds: measured.holds && is_made, ..measured };
             progress.decide(group, [from, to], measured, Rule::LightSamples);
         }
         answer.note(&mut guess.groups[group], progress.iterations.len());
@@ -209,14 +180,12 @@ impl<'o> Candidates<'o> {
         // The model may be as wrong here as it is for the other groups.
         let share = &mut budget.allowance.floor.share;
         *share = share.max(error_of_others(guess, group, MIDDLE));
-        let floor = budget.allowance.floor;
         let typical = typical(guess, group);
         let most = light_of_others(guess, group);
         let by = Gathering { options: self.options, group, most, budget };
         let asking = Asking {
             by,
             level,
-            rejected: &self.rejected[group],
             explained: EXPLAINED * typical,
             stands: sample_budget::is_light_to_spare(
                 level,
@@ -225,7 +194,7 @@ impl<'o> Candidates<'o> {
             ),
         };
         let Some(compared) = asking.compare(guess) else { return Answer::default() };
-        let Compared { evidence, fitted, is_other_minimum, is_borne_out } = compared;
+        let Compared { evidence, fitted, is_other_minimum } = compared;
         let mut answer = Answer {
             candidates: records(&fitted),
             decision: decision(guess.groups[group].hypothesis, &fitted),
@@ -233,13 +202,15 @@ impl<'o> Candidates<'o> {
             ..Answer::default()
         };
         let chosen = fitted.chosen().clone();
-        let Some(chain) = chain(guess, group, &fitted) else { return answer };
-        let uniform = Proposal { is_other_minimum, is_borne_out, ..chain };
-        let is_explained = is_explained(&chosen, UNEXPLAINED * typical, floor);
-        answer.untextured = textures::is_possible(guess, group).err().filter(|_| !is_explained);
+        if chosen.hypothesis == Hypothesis::Diffuse && self.kept.contains(&group) {
+            return answer;
+        }
+        let uniform =
+            Proposal { is_other_minimum, ..Proposal::uniform(group, &chosen, &fitted.outliers) };
         let proposal = if guess.problem.groups[group].allows(chosen.hypothesis) {
             let left = self.without_outliers(guess, group, evidence, chosen, typical);
-            left.and_then(|left| self::chain(guess, group, &left)).or(Some(uniform))
+            let left = left.map(|left| Proposal::uniform(group, left.chosen(), &left.outliers));
+            left.or(Some(uniform))
         } else {
             self.texture(guess, group, level, true).1
         };
@@ -269,10 +240,12 @@ impl<'o> Candidates<'o> {
             let (measured, proposal) =
                 guess.steps.value("look", || self.texture(guess, group, level, false));
             let present = guess.groups[group].hypothesis;
+            let is_textured = present == Hypothesis::Textured;
             if let Some(measured) = measured {
+                let holds = measured.holds && !is_textured;
+                let measured = Measured { holds, ..measured };
                 progress.decide(group, [present, Hypothesis::Textured], measured, Rule::Prediction);
             }
-            let is_textured = present == Hypothesis::Textured;
             let other = if is_textured && measured.is_some_and(|measured| !measured.holds) {
                 self.propose(guess, group, level, done, progress)
             } else {
@@ -292,7 +265,8 @@ impl<'o> Candidates<'o> {
         level: Level,
         must: bool,
     ) -> (Option<Measured>, Option<Proposal>) {
-        if !self.may_be_textured(guess, group) || textures::is_possible(guess, group).is_err() {
+        let is_allowed = guess.problem.groups[group].allows(Hypothesis::Textured);
+        if !is_allowed || !textures::is_possible(guess, group) {
             return (None, None);
         }
         let mut whole = guess.clone();
@@ -303,10 +277,10 @@ impl<'o> Candidates<'o> {
         budget.probe.max_bounces = self.options.max_bounces;
         budget.probe.probes_per_pixel = 1;
         let (present, material) = (guess.groups[group].hypothesis, &guess.materials[group]);
-        let Some(found) = textures::look(&whole, group, &budget) else {
+        let least = self.options.thresholds.textured;
+        let Some(found) = textures::look(&whole, (group, least), &budget) else {
             return (None, None);
         };
-        let least = self.options.thresholds.textured;
         let is_texture = must || found.pattern.is_texture(least);
         let measured = found.pattern.measured(is_texture, least);
         let extracted =
@@ -319,16 +293,10 @@ impl<'o> Candidates<'o> {
         let residual = ResidualStats::default();
         let proposal = Proposal {
             seen_texels: Some(seen),
-            is_borne_out: true,
             is_other_minimum,
-            ..Proposal::unasked(guess, group, (Hypothesis::Textured, next), residual)
+            ..Proposal::unasked(group, (Hypothesis::Textured, next), residual)
         };
         (Some(measured), Some(proposal))
-    }
-
-    fn may_be_textured(&self, guess: &Guess<'_>, group: usize) -> bool {
-        guess.problem.groups[group].allows(Hypothesis::Textured)
-            && !self.rejected[group].contains(&Hypothesis::Textured)
     }
 
     /// The fits to the group without its outliers, if one of them explains it, where `fit` to all of it does not. The
@@ -364,11 +332,10 @@ impl<'o> Candidates<'o> {
                 return None;
             }
             evidence = left;
-            let rejected = &self.rejected[group];
-            let choices = decide(self.options, rejected, &fits, &evidence.judging);
-            let chosen = &fits[choices[0].chosen];
+            let choice = decide(self.options, &fits, &evidence.judging);
+            let chosen = &fits[choice.chosen];
             if is_explained(chosen, limit, evidence.judging.allowance.floor) {
-                return Some(Fitted { fits, choices, outliers: found });
+                return Some(Fitted { fits, choice, outliers: found });
             }
             fit = chosen.clone();
         }
@@ -390,15 +357,6 @@ fn typical(guess: &Guess<'_>, group: usize) -> f64 {
     left_by_others(guess, group, BETTER).max(TYPICAL_MIN)
 }
 
-/// The changes that were chosen from `fitted`, each to be tried if the picture speaks against the one before.
-fn chain(guess: &Guess<'_>, group: usize, fitted: &Fitted) -> Option<Proposal> {
-    let Fitted { fits, choices, outliers } = fitted;
-    let chosen = choices.iter().rev().map(|choice| &fits[choice.chosen]);
-    chosen.fold(None, |next, fit| {
-        Some(Proposal::uniform(guess, group, fit, outliers, next.map(Box::new)))
-    })
-}
-
 /// What the candidates of one group came to.
 #[derive(Default, Serialize, Deserialize)]
 struct Answer {
@@ -407,15 +365,12 @@ struct Answer {
     decision: Option<(Hypothesis, Measured)>,
     /// The hypotheses that stay open.
     undecided: Vec<Hypothesis>,
-    /// Why the group has no texture, though nothing uniform explains it.
-    untextured: Option<String>,
     proposal: Option<Proposal>,
 }
 
 impl Answer {
     /// Notes it in the guess at the group, after so many iterations.
     fn note(&self, of_group: &mut GroupGuess, iteration: usize) {
-        of_group.untextured.clone_from(&self.untextured);
         if self.candidates.is_empty() {
             return;
         }
@@ -431,7 +386,7 @@ impl Answer {
 /// The candidate that was chosen instead of the `present` one, or else the one that came nearest to it, and by what it
 /// was chosen or not; none without a present one.
 fn decision(present: Hypothesis, fitted: &Fitted) -> Option<(Hypothesis, Measured)> {
-    let (fits, choice) = (&fitted.fits, &fitted.choices[0]);
+    let (fits, choice) = (&fitted.fits, &fitted.choice);
     let place = fits.iter().position(|fit| fit.hypothesis == present)?;
     let holds = choice.chosen != place;
     let others = (0..fits.len()).filter(|other| *other != place);
@@ -444,7 +399,7 @@ fn decision(present: Hypothesis, fitted: &Fitted) -> Option<(Hypothesis, Measure
 
 /// The candidates for the group's selection log.
 fn records(fitted: &Fitted) -> Vec<CandidateRecord> {
-    let (fits, choice) = (&fitted.fits, &fitted.choices[0]);
+    let (fits, choice) = (&fitted.fits, &fitted.choice);
     let entry = |(i, (fit, excess)): (usize, (&Fit, &Difference))| CandidateRecord {
         iteration: 0,
         hypothesis: fit.hypothesis,

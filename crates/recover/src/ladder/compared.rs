@@ -18,27 +18,22 @@ use crate::refine::side_by_side::{self, Compared as OnPaths, Criteria};
 use crate::sample_budget::Level;
 use crate::selection::{Choice, Comparison, explains_alike};
 
-/// How many other candidates are kept in case the picture speaks against the chosen one. At none, a group whose best
-/// candidate overfits stays as it is; more are hardly ever needed.
-const OTHERS: usize = 2;
-
-/// All candidates of one group: their fits, the choices among them, the first one first, and the
-/// pixels that none of them was fitted to.
+/// All candidates of one group: their fits, the choice among them, and the pixels that none of them was fitted to.
 pub(super) struct Fitted {
     pub(super) fits: Vec<Fit>,
-    pub(super) choices: Vec<Choice>,
+    pub(super) choice: Choice,
     pub(super) outliers: Vec<u32>,
 }
 
 impl Fitted {
     /// What was chosen.
     pub(super) fn chosen(&self) -> &Fit {
-        &self.fits[self.choices[0].chosen]
+        &self.fits[self.choice.chosen]
     }
 
     /// The hypotheses that are also possible: noise leaves them open, and there is no strong evidence against them.
     pub(super) fn undecided(&self) -> Vec<Hypothesis> {
-        let Choice { excess, open, .. } = &self.choices[0];
+        let Choice { excess, open, .. } = &self.choice;
         let rivals = open.iter().filter(|i| excess[**i].value <= STRONG);
         rivals.map(|i| self.fits[*i].hypothesis).collect()
     }
@@ -51,16 +46,12 @@ pub(super) struct Compared {
     /// Whether the present hypothesis was chosen in another minimum, which explains the group better than the one
     /// that the present numbers lead to.
     pub(super) is_other_minimum: bool,
-    /// Whether it was chosen on paths that were used for no fit.
-    pub(super) is_borne_out: bool,
 }
 
 /// How the hypotheses of one group are compared.
 pub(super) struct Asking<'a> {
     pub(super) by: Gathering<'a>,
     pub(super) level: Level,
-    /// Hypotheses that the picture spoke against.
-    pub(super) rejected: &'a [Hypothesis],
     /// The model error up to which a uniform hypothesis explains the group.
     pub(super) explained: f64,
     /// Whether the group is expected to keep its hypothesis.
@@ -85,7 +76,7 @@ impl Asking<'_> {
         let mut evidence = EvidencePair::gather(guess, &self.by, light)?;
         let searched = evidence.search(guess, group);
         let mut compared = self.judge(guess, evidence, &searched)?;
-        if matches!(light, LightAmount::Usual) && !compared.fitted.choices[0].open.is_empty() {
+        if matches!(light, LightAmount::Usual) && !compared.fitted.choice.open.is_empty() {
             if self.stands {
                 self.decide_on_paths(guess, &mut compared);
             } else {
@@ -98,10 +89,9 @@ impl Asking<'_> {
 
     /// Decides on paths between the chosen one and the more complex ones that the evidence leaves open.
     fn decide_on_paths(&self, guess: &Guess<'_>, compared: &mut Compared) {
-        let Fitted { fits, choices, .. } = &mut compared.fitted;
-        let first = &mut choices[0];
-        let mut open = vec![first.chosen];
-        open.append(&mut first.open);
+        let Fitted { fits, choice, .. } = &mut compared.fitted;
+        let mut open = vec![choice.chosen];
+        open.append(&mut choice.open);
         let rung = |&i: &usize| Rung {
             hypothesis: fits[i].hypothesis,
             material: fits[i].material.clone(),
@@ -116,21 +106,17 @@ impl Asking<'_> {
         };
         let OnPaths { rungs, choice: Choice { chosen, excess, open: still } } =
             side_by_side::compare(guess, &by, self.by.group, rungs);
-        let still = still.into_iter().map(|i| open[i]).collect();
+        choice.open = still.into_iter().map(|i| open[i]).collect();
         if chosen == 0 {
-            first.open = still;
             return;
         }
         let evidence = &compared.evidence.judging;
         let Rung { hypothesis, material } = &rungs[chosen];
         fits[open[chosen]] = hypothesis::fit(*hypothesis, evidence, material, Search::Kept);
-        let mut all = first.excess.clone();
-        let behind = all[open[chosen]].value;
-        all.iter_mut().for_each(|excess| excess.value -= behind);
-        open.iter().zip(excess).for_each(|(i, excess)| all[*i] = excess);
-        choices.retain(|decision| decision.chosen != open[chosen]);
-        choices.insert(0, Choice { chosen: open[chosen], excess: all, open: still });
-        compared.is_borne_out = true;
+        choice.chosen = open[chosen];
+        let behind = choice.excess[choice.chosen].value;
+        choice.excess.iter_mut().for_each(|excess| excess.value -= behind);
+        open.iter().zip(excess).for_each(|(i, excess)| choice.excess[*i] = excess);
     }
 
     /// What was `searched`, compared by the `evidence`.
@@ -144,46 +130,29 @@ impl Asking<'_> {
         if fits.is_empty() {
             return None;
         }
-        let choices = decide(self.by.options, self.rejected, &fits, &evidence.judging);
-        let fitted = Fitted { fits, choices, outliers: Vec::new() };
+        let choice = decide(self.by.options, &fits, &evidence.judging);
+        let fitted = Fitted { fits, choice, outliers: Vec::new() };
         let chosen = fitted.chosen();
         let is_other_minimum = present.is_some_and(|present| {
             chosen.hypothesis == present.hypothesis
                 && !explains_alike(&present, chosen, &evidence.judging)
         });
-        Some(Compared { evidence, fitted, is_other_minimum, is_borne_out: false })
+        Some(Compared { evidence, fitted, is_other_minimum })
     }
 
     /// Whether the present hypothesis is clearly confirmed.
     fn confirms(&self, guess: &Guess<'_>, compared: &Compared) -> bool {
         let chosen = compared.fitted.chosen();
         chosen.hypothesis == guess.groups[self.by.group].hypothesis
-            && compared.fitted.choices[0].open.is_empty()
+            && compared.fitted.choice.open.is_empty()
             && !compared.is_other_minimum
             && is_explained(chosen, self.explained, self.by.budget.allowance.floor)
     }
 }
 
-/// Model selection among the candidates that the user allows and that are not `rejected`; then [`OTHERS`] times among
-/// the rest.
-pub(super) fn decide(
-    options: &Options,
-    rejected: &[Hypothesis],
-    fits: &[Fit],
-    evidence: &Evidence,
-) -> Vec<Choice> {
-    let mut comparison = Comparison::new(fits, evidence);
-    let mut choices: Vec<Choice> = Vec::new();
-    for _ in 0..=OTHERS {
-        let is_left = |i: usize| choices.iter().all(|decision| decision.chosen != i);
-        let allowed = |i: usize| is_left(i) && !rejected.contains(&fits[i].hypothesis);
-        let next = comparison.choose(&allowed, options.thresholds.simpler);
-        if !is_left(next.chosen) {
-            break;
-        }
-        choices.push(next);
-    }
-    choices
+/// Model selection among all candidates.
+pub(super) fn decide(options: &Options, fits: &[Fit], evidence: &Evidence) -> Choice {
+    Comparison::new(fits, evidence).choose(options.thresholds.simpler)
 }
 
 /// Whether `fit` leaves no more model error than `limit`, from block to block or from pixel to

@@ -51,7 +51,7 @@ pub(crate) fn all(
     let proposal = |(group, (alpha, gain)): (usize, (Option<f32>, Gain))| {
         let rho_d = (guess.materials[group].rho_d - gain.rho_s).max(Rgb::ZERO);
         let to = score_test::with_specular(rho_d, gain.rho_s, alpha);
-        Some(Proposal::unasked(guess, group, to, guess.groups[group].residual?))
+        Some(Proposal::unasked(group, to, guess.groups[group].residual?))
     };
     most.into_iter().filter_map(proposal).collect()
 }

@@ -4,7 +4,6 @@
 //! Other hypotheses are proposed for the groups that the present ones explain worst (`candidates`), all numbers
 //! being fitted together (`refine`).
 
-pub(crate) mod branches;
 pub(crate) mod candidates;
 mod compared;
 mod evidence_pair;

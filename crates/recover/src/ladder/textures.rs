@@ -6,7 +6,7 @@ use crate::hypothesis::Hypothesis;
 use crate::problem::Options;
 use crate::record::Deviations;
 use crate::sample_budget;
-use crate::texture::{self, Found};
+use crate::texture::{self, Asked, Found};
 use serde::{Deserialize, Serialize};
 use unrender_scene::{Image, Material, Rgb};
 
@@ -23,30 +23,26 @@ pub(crate) struct Textured {
     pub(crate) deviation: Rgb,
 }
 
-/// Whether `group` may have a texture: it has texture coordinates and enough pixels. Else, why it may not.
-pub(crate) fn is_possible(guess: &Guess<'_>, group: usize) -> Result<(), String> {
-    let why = |reason: &str| {
-        format!("no uniform reflectance explains this group, and it has {reason} for a texture")
-    };
+/// Whether `group` may have a texture: it has texture coordinates and enough pixels.
+pub(crate) fn is_possible(guess: &Guess<'_>, group: usize) -> bool {
     let pixels = &guess.observation.pixels_of_group[group];
-    if pixels.len() < PIXELS_MIN {
-        return Err(why("too few pixels"));
-    }
     let geometry = guess.stage().renderer.geometry().pixels();
-    let first = geometry[pixels[0] as usize].uv;
-    if pixels.iter().all(|pixel| geometry[*pixel as usize].uv == first) {
-        return Err(why("no texture coordinates"));
-    }
-    Ok(())
+    let uv = |pixel: &u32| geometry[*pixel as usize].uv;
+    pixels.len() >= PIXELS_MIN && pixels.iter().any(|pixel| uv(pixel) != uv(&pixels[0]))
 }
 
-/// What texels predict of `group` by so much light; none without texture coordinates.
-pub(crate) fn look(guess: &Guess<'_>, group: usize, budget: &SampleBudget) -> Option<Found> {
+/// What texels predict of `group`, where a texture has at `least` this contrast; none without texture coordinates.
+pub(crate) fn look(
+    guess: &Guess<'_>,
+    (group, least): (usize, f64),
+    budget: &SampleBudget,
+) -> Option<Found> {
     let pixels = &guess.observation.pixels_of_group[group];
     let uniform = uniforms(guess, group);
     let bounds = &guess.problem.groups[group].expected.bounds;
     let (stage, appearance) = (guess.stage(), guess.appearance());
-    texture::look(&stage, appearance, (group, pixels), (&uniform, bounds), budget)
+    let by = Asked { uniform: &uniform, bounds, least };
+    texture::look(&stage, appearance, (group, pixels), &by, budget)
 }
 
 /// What a texture of `group` has to predict better than: its present reflectance, and that of the candidates which left

@@ -29,13 +29,23 @@ pub(crate) struct Found {
     pub(crate) pattern: Pattern,
 }
 
-/// What texels predict of `pixels` of a group beyond its `uniform` reflectances, of which the last is the present one,
-/// within these bounds; none without texture coordinates.
+/// What a texture has to be.
+pub(crate) struct Asked<'a> {
+    /// The uniform reflectances that it has to predict better than; the last one is the present one.
+    pub(crate) uniform: &'a [Material],
+    /// The bounds of the group.
+    pub(crate) bounds: &'a ParameterBounds,
+    /// The least contrast.
+    pub(crate) least: f64,
+}
+
+/// What texels predict of `pixels` of a group; none without texture coordinates. More light is gathered where a little of
+/// it does not exclude a texture.
 pub(crate) fn look(
     stage: &Stage<'_>,
     appearance: Appearance<'_>,
     (group, pixels): (usize, &[u32]),
-    (uniform, bounds): (&[Material], &ParameterBounds),
+    by: &Asked<'_>,
     budget: &SampleBudget,
 ) -> Option<Found> {
     let geometry = stage.renderer.geometry();
@@ -43,23 +53,35 @@ pub(crate) fn look(
     let mut probe = budget.probe.clone();
     probe.seed = Stream::Judging.change(probe.seed);
     let gather = |probe: &ProbeSettings| Light::gather(stage, appearance, group, &pixels, probe);
-    let (mut light, mut seen) = gather(&probe);
+    let little = gather(&probe);
+    let found = judged(stage, group, &little, by)?;
     let black = Material::diffuse(Rgb::ZERO);
-    let noise = Lit::of(stage, group, (&light, &seen), &black).smoothed(geometry).scatter();
+    let noise = Lit::of(stage, group, (&little.0, &little.1), &black).smoothed(geometry).scatter();
     let more = (noise / NOISE).powi(2).min(MORE_MAX);
-    if more > 1.0 {
-        probe.cosine = (probe.cosine as f32 * more).ceil() as u32;
-        probe.per_lobe = (probe.per_lobe as f32 * more.sqrt()).ceil() as u32;
-        (light, seen) = gather(&probe);
+    if more <= 1.0 || found.pattern.at_most < by.least {
+        return Some(found);
     }
-    let pixels = seen;
-    let lit = |lobe: &Material| Lit::of(stage, group, (&light, &pixels), lobe).smoothed(geometry);
+    probe.cosine = (probe.cosine as f32 * more).ceil() as u32;
+    probe.per_lobe = (probe.per_lobe as f32 * more.sqrt()).ceil() as u32;
+    judged(stage, group, &gather(&probe), by)
+}
+
+/// What texels predict in the `light` behind some pixels of `group`.
+fn judged(
+    stage: &Stage<'_>,
+    group: usize,
+    (light, pixels): &(Light, Vec<u32>),
+    by: &Asked<'_>,
+) -> Option<Found> {
+    let geometry = stage.renderer.geometry();
+    let lit = |lobe: &Material| Lit::of(stage, group, (light, pixels), lobe).smoothed(geometry);
+    let black = Material::diffuse(Rgb::ZERO);
     let model = stage.renderer.model();
     let plain = lit(&black);
     let judge = Judge::of(&plain, geometry)?;
-    let may_be_plastic = model.is_principled() && plastic::is_within(bounds);
+    let may_be_plastic = model.is_principled() && plastic::is_within(by.bounds);
     let roughness = may_be_plastic.then(|| {
-        let lobes: Vec<(f32, Lit)> = roughnesses(uniform)
+        let lobes: Vec<(f32, Lit)> = roughnesses(by.uniform)
             .into_iter()
             .map(|alpha| (alpha, lit(&plastic::of_alpha(model, alpha))))
             .collect();
@@ -73,7 +95,7 @@ pub(crate) fn look(
             both.map(|(base, shine)| uniform.rho_d * *base + *shine).collect()
         })
     };
-    let shown: Vec<[Vec<Rgb>; 2]> = uniform.iter().map(shown).collect();
+    let shown: Vec<[Vec<Rgb>; 2]> = by.uniform.iter().map(shown).collect();
     let pattern = judge.predicted(&lit(&lobe), &shown);
     Some(Found { lobe, pattern })
 }

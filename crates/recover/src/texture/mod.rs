@@ -20,7 +20,7 @@ mod tests;
 mod texels;
 
 pub use detailed::Detail;
-pub(crate) use look::{Found, look};
+pub(crate) use look::{Asked, Found, look};
 
 use crate::evidence::SampleBudget;
 use crate::observe::observation::Noise;

@@ -89,6 +89,8 @@ pub(crate) struct Pattern {
     pub(crate) gain: f64,
     /// The standard deviation of that, from square to square.
     pub(crate) deviation: f64,
+    /// The contrast that there may be, by [`WORSE`] of these.
+    pub(crate) at_most: f64,
 }
 
 impl Pattern {
@@ -109,6 +111,11 @@ impl Pattern {
     fn certainty(&self) -> f64 {
         self.gain / self.deviation.max(1e-30)
     }
+}
+
+/// The contrast that any of `all` may have.
+fn at_most(all: &[Pattern]) -> f64 {
+    all.iter().map(|of| of.at_most).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// A group's pixels, by which its textures are judged.
@@ -169,17 +176,24 @@ impl Judge {
                     uniform.iter().map(|left| self.pattern(scale, &weights, [left, &textured]));
                 beaten.min_by(|a, b| a.certainty().total_cmp(&b.certainty()))
             };
-            let best = ALIKE.iter().filter_map(of).max_by(|a, b| a.gain.total_cmp(&b.gain));
-            best.map(|best| Pattern { contrast: best.contrast / scale.contrast, ..best })
+            let all: Vec<Pattern> = ALIKE.iter().filter_map(of).collect();
+            let best = all.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
+            Some(Pattern {
+                contrast: best.contrast / scale.contrast,
+                at_most: at_most(&all) / scale.contrast,
+                ..*best
+            })
         };
-        let all = SCALES.iter().filter_map(of_scale);
+        let all: Vec<Pattern> = SCALES.iter().filter_map(of_scale).collect();
+        let most = at_most(&all);
         // The largest contrast of those that are certain.
         let rank = |of: &Pattern| (of.certainty() > WORSE, of.contrast);
         let above = |a: &Pattern, b: &Pattern| {
             let ((a, of_a), (b, of_b)) = (rank(a), rank(b));
             a.cmp(&b).then(of_a.total_cmp(&of_b))
         };
-        all.max_by(above).unwrap_or_default()
+        let found = all.into_iter().max_by(above).unwrap_or_default();
+        Pattern { at_most: most, ..found }
     }
 
     /// The gain of the second of two models, pixel by pixel what they leave.
@@ -192,8 +206,9 @@ impl Judge {
         let gain: f64 = sums.iter().sum();
         let deviation = sums.iter().map(|sum| sum * sum).sum::<f64>().sqrt();
         let all: f64 = 3.0 * weights.iter().map(|weight| f64::from(*weight)).sum::<f64>();
-        let contrast = gain.signum() * (gain.abs() / all.max(1e-30)).sqrt();
-        Pattern { contrast, gain, deviation }
+        let contrast = |gain: f64| gain.signum() * (gain.abs() / all.max(1e-30)).sqrt();
+        let at_most = contrast(gain + WORSE * deviation);
+        Pattern { contrast: contrast(gain), gain, deviation, at_most }
     }
 
     /// What is left of `shown` under a light, twice, in units.

@@ -73,7 +73,7 @@ pub(crate) fn close(found: Rgb, truth: Rgb, tolerance: f32) -> bool {
 /// Fails unless the last change that was made of a group's hypothesis is the one to what it is: whoever asks why reads
 /// what happened.
 pub(crate) fn says_why(group: &GroupResult) {
-    let last = group.decisions.iter().rev().find(|decision| decision.is_made());
+    let last = group.decisions.iter().rev().find(|decision| decision.accepted);
     let made = last.map_or(Hypothesis::Diffuse, |decision| decision.to);
     assert_eq!(made, group.hypothesis, "{}: {:#?}", group.name, group.decisions);
 }

@@ -10,15 +10,11 @@ use unrender_formats::materials::{Hypothesis, Status, StatusEntry};
 /// At half of it groups that match are said to miss; at double of it edges of a wrong highlight go unsaid.
 const BY_CHANCE: f64 = 0.1;
 
-/// Evidence counts as significant from here, in standard deviations. At half of it chance is evidence; double of it
-/// passes over evidence on pixels for that on samples.
-const SIGNIFICANT: f64 = 2.0;
-
 /// The reason in words.
 pub(super) fn reason(source: &RunFolder<'_>, name: &str, group: &RunGroup) -> Markup {
     let hypothesis = group.entry.hypothesis.unwrap_or(Hypothesis::Diffuse);
     let key = source.key.at("groups").at(name);
-    let last = group.decisions.iter().rposition(|decision| decision.made);
+    let last = group.decisions.iter().rposition(|decision| decision.accepted);
     html! {
         @match (&group.entry.status, last) {
             (Some(StatusEntry::Ignored), _) => "Left out by the project; it keeps the scene's material.",
@@ -45,30 +41,16 @@ fn alone(key: &Key, group: &RunGroup, hypothesis: Hypothesis) -> Markup {
 
 /// The change that the decision number `last` made, and the evidence for it.
 fn won(key: &Key, group: &RunGroup, hypothesis: Hypothesis, last: usize) -> Markup {
-    let decisions = &group.decisions;
-    let made = &decisions[last];
-    let proposes = |of: &DecisionEntry| {
-        of.accepted && !of.made && of.iteration == made.iteration && of.to == made.to
-    };
-    let proposals: Vec<usize> =
-        (0..last).rev().filter(|index| proposes(&decisions[*index])).collect();
-    let sigmas = |index: usize| decisions[index].sigmas.unwrap_or(0.0);
-    // What was measured on pixels comes before what light samples say, where it is significant.
-    let significant = proposals.iter().copied().find(|index| sigmas(*index) > SIGNIFICANT);
-    let best = proposals.iter().copied().max_by(|a, b| sigmas(*a).total_cmp(&sigmas(*b)));
-    let evidence = significant.or(best).unwrap_or(last);
+    let made = &group.decisions[last];
     // A lobe may be a plastic's or a metal's.
     let to = if made.to.of_paper() == hypothesis.of_paper() { hypothesis } else { made.to };
-    let key = key.at("decisions").at(evidence);
-    let of = &decisions[evidence];
+    let key = key.at("decisions").at(last);
     html! {
         (capital(to)) " instead of " (made.from) ": "
-        @match of.rule.as_str() {
-            "own pixels" => { "re-rendered, it fits the group's own pixels better" (by(&key, of)) }
-            "light samples" => { "with the light sampled at its pixels, it fits better" (by(&key, of)) }
-            "other groups" => { "the groups that it lights fit better" (by(&key, of)) }
-            "prediction" => { "texels from some of its pixels predict the others better" (by(&key, of)) }
-            "picture" | "branch" => { "the whole picture fits better" (by(&key, of)) }
+        @match made.rule.as_str() {
+            "light samples" => { "with the light sampled at its pixels, it fits better" (by(&key, made)) }
+            "other groups" => { "the groups that it lights fit better" (by(&key, made)) }
+            "prediction" => { "texels from some of its pixels predict the others better" (by(&key, made)) }
             "simpler" => { "the additional parameters of " (made.from) " are not significant." }
             "project" => "the project allows no other.",
             _ => "the paper's rules chose it.",
@@ -100,7 +82,7 @@ fn rivals(key: &Key, group: &RunGroup, hypothesis: Hypothesis, start: usize) -> 
     let is_texture = |of: &DecisionEntry| of.rule == "prediction";
     let lost = |texture: bool| {
         let all = group.decisions.iter().enumerate().skip(start);
-        let lost = all.filter(|(_, of)| !of.made && of.difference.is_some());
+        let lost = all.filter(|(_, of)| !of.accepted && of.difference.is_some());
         let lost = lost.filter(|(_, of)| of.to != hypothesis && is_texture(of) == texture);
         lost.max_by(|(_, a), (_, b)| gain(a).total_cmp(&gain(b)))
     };

@@ -239,7 +239,6 @@ fn decision(decision: &Decision) -> DecisionEntry {
         sigmas: None,
         paths: decision.paths,
         accepted: decision.accepted,
-        made: decision.is_made(),
     };
     entry.sigmas = entry.gain_in_sigmas();
     entry

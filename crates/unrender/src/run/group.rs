@@ -64,10 +64,8 @@ pub struct DecisionEntry {
     pub sigmas: Option<f64>,
     /// Paths a pixel, in each of two renderings.
     pub paths: u32,
-    /// Whether the rule accepts the change.
+    /// Whether the change was made.
     pub accepted: bool,
-    /// Whether the change was made by that.
-    pub made: bool,
 }
 
 impl DecisionEntry {

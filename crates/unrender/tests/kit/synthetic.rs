@@ -122,7 +122,7 @@ fn reflectance(index: usize) -> ReflectanceEntry {
 
 fn group(index: usize, name: &str) -> RunGroup {
     if name == FAILED {
-        let note = "no uniform reflectance explains this group, and it has too few pixels";
+        let note = "it may be isotropic: rendering noise leaves that open";
         let mut failed = known(index);
         failed.entry.status = Some(serde_json::from_str("\"assumed\"").unwrap());
         failed.entry.note = Some(note.to_owned());
@@ -173,14 +173,13 @@ fn group(index: usize, name: &str) -> RunGroup {
         iteration: 3,
         from: Hypothesis::Diffuse,
         to: hypothesis,
-        rule: ["picture", "other groups", "branch", "simpler", "own pixels"][index % 5].into(),
+        rule: ["light samples", "other groups", "prediction", "simpler"][index % 4].into(),
         difference: Some(-120.5),
         deviation: Some(14.0),
         price: Some(21.0),
         sigmas: Some(120.5 / 14.0),
         paths: 48,
         accepted: index > 0,
-        made: index > 0,
     };
     let selection_log = if index == 0 { Vec::new() } else { selection_log.collect() };
     RunGroup {
