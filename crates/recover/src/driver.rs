@@ -124,7 +124,7 @@ impl Driver<'_, '_> {
                 break;
             }
             let changed;
-            (present, changed) = self.take(present, &proposals, by);
+            (present, changed) = self.take(present, proposals, by);
             self.candidates.ask_again(&changed);
         }
         Ok(present)
@@ -134,18 +134,42 @@ impl Driver<'_, '_> {
     fn take<'a>(
         &mut self,
         present: Verified<'a>,
-        proposals: &[Proposal],
+        mut proposals: Vec<Proposal>,
         (level, depth): (Level, Depth),
     ) -> (Verified<'a>, Vec<usize>) {
-        let before = present.score;
-        let mut guess = present.guess;
-        proposals.iter().for_each(|proposal| proposal.apply(&mut guess));
         self.progress.working("looking at the whole photo with the change", 0.0);
-        let changed = self.verifier.verify(guess);
-        let (present, _) = self.refine_once(changed, depth);
-        let mut changed = self.changed(&present, &before, level);
+        let mut made = self.made(&present, &proposals);
+        let worse = self.verifier.worse(&made.score, &present.score);
+        if self.refuse_textures(&mut proposals, &worse) {
+            if proposals.is_empty() {
+                return (present, Vec::new());
+            }
+            made = self.made(&present, &proposals);
+        }
+        let (found, _) = self.refine_once(made, depth);
+        let mut changed = self.changed(&found, &present.score, level);
         changed.retain(|group| proposals.iter().all(|of| of.group != *group));
-        (present, changed)
+        (found, changed)
+    }
+
+    /// `present` with the changes of `proposals`.
+    fn made<'a>(&self, present: &Verified<'a>, proposals: &[Proposal]) -> Verified<'a> {
+        let mut guess = present.guess.clone();
+        proposals.iter().for_each(|proposal| proposal.apply(&mut guess));
+        self.verifier.verify(guess)
+    }
+
+    /// Drops the textures among `proposals` with which the group's re-rendered pixels are explained `worse` than before:
+    /// texels are judged and found by the light in the middle of each pixel, which the edge of a shadow passes beside.
+    /// Whether there were any.
+    fn refuse_textures(&mut self, proposals: &mut Vec<Proposal>, worse: &[usize]) -> bool {
+        let is_worse =
+            |of: &Proposal| of.hypothesis == Hypothesis::Textured && worse.contains(&of.group);
+        let refused: Vec<usize> =
+            proposals.iter().filter(|of| is_worse(of)).map(|of| of.group).collect();
+        refused.iter().for_each(|group| self.progress.refuse(*group));
+        proposals.retain(|of| !refused.contains(&of.group));
+        !refused.is_empty()
     }
 
     /// Gives the groups a texture whose pixels predict each other by one; those whose light has changed by that are
@@ -155,34 +179,14 @@ impl Driver<'_, '_> {
         mut present: Verified<'a>,
         by: (Level, Depth),
     ) -> Result<Verified<'a>, RecoverError> {
-        let mut proposals = self.candidates.textures(&mut present.guess, by.0, self.progress);
-        self.drop_worse(&present, &mut proposals);
+        let proposals = self.candidates.textures(&mut present.guess, by.0, self.progress);
         if proposals.is_empty() || self.progress.is_cancelled() {
             return Ok(present);
         }
-        let (present, changed) = self.take(present, &proposals, by);
+        let (present, changed) = self.take(present, proposals, by);
         self.candidates.ask_again(&changed);
         self.candidates.ask_again(&self.candidates.open(&present.guess, by.0));
         self.choose(present, by)
-    }
-
-    /// Drops the `proposals` of textures with which the group's re-rendered pixels are explained worse than before: texels
-    /// are judged and found by the light in the middle of each pixel, which the edge of a shadow passes beside.
-    fn drop_worse(&mut self, present: &Verified<'_>, proposals: &mut Vec<Proposal>) {
-        if proposals.is_empty() || self.progress.is_cancelled() {
-            return;
-        }
-        let mut guess = present.guess.clone();
-        proposals.iter().for_each(|proposal| proposal.apply(&mut guess));
-        let worse = self.verifier.worse(&self.verifier.verify(guess).score, &present.score);
-        let is_worse =
-            |of: &Proposal| of.hypothesis == Hypothesis::Textured && worse.contains(&of.group);
-        proposals.retain(|of| {
-            if is_worse(of) {
-                self.progress.refuse(of.group);
-            }
-            !is_worse(of)
-        });
     }
 
     /// Where the picture stays unexplained, the diffuse group that would explain most of it by a specular part gets

@@ -259,7 +259,7 @@ pub enum Termination {
     RefinementLimit,
     /// A step of the refinement could not be solved.
     RefinementFailed,
-    /// The user stopped it; the results are those of the best verified guess.
+    /// The user stopped it; the results are as far as it had come.
     Interrupted,
 }
 
@@ -281,8 +281,7 @@ impl Termination {
                  could not be solved; the results are those before it"
             ),
             Self::Interrupted => format!(
-                "interrupted after {iterations} global re-renderings; the results are the best that were \
-                 verified until then"
+                "interrupted after {iterations} global re-renderings; the results are as far as it had come"
             ),
             Self::IterationLimit => {
                 format!("stopped at the limit of {iterations} global re-renderings before settling")

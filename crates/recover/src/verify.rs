@@ -35,8 +35,8 @@ const SPP: u32 = 12;
 const CONFIRMING_SPP: u32 = 48;
 /// The share of model error below which no difference is significant: while hypotheses change, the
 /// other groups follow on few light samples, and their errors of this size say nothing of the change.
-/// After the refinement the light is better known. At half of it right changes are taken back because
-/// of noise in other groups; at double wrong ones of faint lobes pass.
+/// After the refinement the light is better known. At half of it right refinements are taken back
+/// because of noise in other groups; double of it was not tried since changes are not judged by it.
 const FLOOR: f64 = 0.02;
 const REFINED_FLOOR: f64 = 0.01;
 /// The error of the incident light that is always allowed for, as a share of the floor: the other

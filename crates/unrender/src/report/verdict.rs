@@ -103,7 +103,7 @@ fn ended(source: &RunFolder<'_>) -> Markup {
             }
             Some(Ended::Interrupted) => {
                 strong class="warn" { "Interrupted after " (passes) ", " (seconds) ":" }
-                " the results are the best that were verified until then."
+                " the results are as far as it had come."
             }
             None => { "(" (run.termination) ", " (seconds) ".)" }
         }

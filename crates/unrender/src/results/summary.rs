@@ -119,7 +119,7 @@ fn outcome(job: &Job, recovered: &Recovered) -> String {
              deviation.)\n"
         ),
         Termination::Interrupted => format!(
-            "(Interrupted after {passes}, {seconds}: the results are the best that were verified until then.)\n"
+            "(Interrupted after {passes}, {seconds}: the results are as far as it had come.)\n"
         ),
         other => format!("({}, {seconds}.)\n", other.message(recovery.iterations.len())),
     });
