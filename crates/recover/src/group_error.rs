@@ -128,10 +128,16 @@ impl Squares {
         Self { square: share * square, deviation: share * deviation, photo: share * photo }
     }
 
+    /// Whether the error is certainly none that matters.
+    fn is_right(&self) -> bool {
+        self.square + CERTAIN * self.deviation < DOUBTFUL * DOUBTFUL * self.photo
+    }
+
     /// How many times as many paths it takes until noise hides no error that matters; one or less if it hides none. The
     /// deviation is that of a product of two noises, and falls with the paths.
     fn lacks(&self) -> f64 {
-        if self.is_wrong() { 0.0 } else { self.deviation / (KNOWN * KNOWN * self.photo) }
+        let is_known = self.is_wrong() || self.is_right();
+        if is_known { 0.0 } else { self.deviation / (KNOWN * KNOWN * self.photo) }
     }
 
     /// The relative root mean square; where it is not significant, its standard deviation; infinite where a radiance is no

@@ -119,11 +119,15 @@ impl GroupSpec {
         if is_usual { "0.7, as walls and ceilings are" } else { "its start and bounds guess" }
     }
 
-    /// The hypotheses without a texture that it may have; where there is none, the diffuse one, which
-    /// every texture begins with.
+    /// The hypotheses without a texture that are compared for it; where there is none, the diffuse one, which
+    /// every texture begins with. A perfect mirror is a partial one whose reflectance the refinement finds to be one, and
+    /// is compared by itself only where a partial one is not allowed.
     pub(crate) fn uniform_rungs(&self) -> Vec<Hypothesis> {
+        let is_compared = |rung: Hypothesis| {
+            rung != Hypothesis::Mirror || !self.allows(Hypothesis::PartialMirror)
+        };
         let mut rungs = crate::hypothesis::UNIFORM.to_vec();
-        rungs.retain(|rung| self.allows(*rung));
+        rungs.retain(|rung| self.allows(*rung) && is_compared(*rung));
         if rungs.is_empty() { vec![Hypothesis::Diffuse] } else { rungs }
     }
 }

@@ -17,7 +17,7 @@ use crate::evidence::Evidence;
 use crate::hypothesis::{self, Fit, Hypothesis};
 use crate::unknown::Quantity;
 use std::collections::BTreeMap;
-use unrender_scene::Material;
+use unrender_scene::{Material, Rgb};
 
 /// What was chosen for one group, and by which numbers.
 #[derive(Clone, Debug)]
@@ -40,6 +40,15 @@ impl<'a> Explained<'a> {
 pub(crate) fn parameters(hypothesis: Hypothesis, material: &Material) -> f64 {
     let channels = |quantity: &Quantity| if quantity.has_channels() { 3.0 } else { 1.0 };
     hypothesis::quantities(hypothesis, material).iter().map(channels).sum()
+}
+
+/// Sorts `fits` from simple to complex, those with as many numbers as they were: a plastic, whose lobe has one number,
+/// comes before a mirror over a base. A perfect mirror, which has none, stays behind a diffuse surface: noisy light beats no
+/// hypothesis without numbers.
+pub(crate) fn sort(fits: &mut [Fit]) {
+    let diffuse = parameters(Hypothesis::Diffuse, &Material::diffuse(Rgb::ZERO));
+    let numbers = |fit: &Fit| parameters(fit.hypothesis, &fit.material).max(diffuse);
+    fits.sort_by(|a, b| numbers(a).total_cmp(&numbers(b)));
 }
 
 /// The comparison of all fits of one group on the same evidence, pair by pair.
@@ -130,7 +139,13 @@ pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Difference, choose};
+    use super::{Difference, choose, sort};
+    use crate::compare::likelihood::Likelihood;
+    use crate::compare::residual::{BlockResiduals, ResidualStats};
+    use crate::hypothesis::{Fit, Hypothesis};
+    use crate::observe::model_error::{LightError, ModelError};
+    use unrender_scene::reflectance::{IOR, Layering};
+    use unrender_scene::{Material, Rgb};
 
     /// Chooses among hypotheses with these criteria, where comparisons with the one number `noisy` have a deviation of 30
     /// and others one of 2.
@@ -150,5 +165,52 @@ mod tests {
         // The second one is expected to be better, and noise leaves that open.
         assert_eq!(chosen(&[25.0, 0.0], 1), (0, vec![1]));
         assert_eq!(chosen(&[25.0, 0.0], 2), (1, vec![]));
+    }
+
+    #[test]
+    fn a_plastic_is_simpler_than_a_mirror_over_a_base_and_a_free_lobe_is_not() {
+        let half = Rgb::splat(0.5);
+        let plastic = Material::plastic(half, IOR, Layering::default(), 0.1);
+        let over_base = Material { rho_d: half, ..Material::mirror(half) };
+        let free = Material::isotropic(half, half, 0.1);
+        let order = |lobe: Material| {
+            let of = [
+                (Hypothesis::Diffuse, Material::diffuse(half)),
+                (Hypothesis::Mirror, Material::mirror(Rgb::ONE)),
+                (Hypothesis::DiffuseSpecular, over_base.clone()),
+                (Hypothesis::Isotropic, lobe),
+            ];
+            let mut fits: Vec<Fit> =
+                of.map(|(hypothesis, material)| fit(hypothesis, material)).into();
+            sort(&mut fits);
+            fits.iter().map(|fit| fit.hypothesis).collect::<Vec<_>>()
+        };
+        use Hypothesis::{Diffuse, DiffuseSpecular, Isotropic, Mirror};
+        assert_eq!(order(plastic), [Diffuse, Mirror, Isotropic, DiffuseSpecular]);
+        assert_eq!(order(free), [Diffuse, Mirror, DiffuseSpecular, Isotropic]);
+    }
+
+    fn fit(hypothesis: Hypothesis, material: Material) -> Fit {
+        let none = || Vec::new();
+        Fit {
+            hypothesis,
+            material,
+            residual: ResidualStats::default(),
+            residuals: BlockResiduals {
+                residual: none(),
+                noise: none(),
+                rendering: none(),
+                half: none(),
+                missing: none(),
+                level2: none(),
+                light: none(),
+            },
+            likelihood: Likelihood {
+                deviance: 0.0,
+                error: ModelError { share: 0.0 },
+                light: LightError { share: 0.0 },
+                blocks: 0,
+            },
+        }
     }
 }

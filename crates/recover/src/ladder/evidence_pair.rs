@@ -5,6 +5,7 @@ use crate::guess::Guess;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
 use crate::observe::model_error::{LightError, ModelError};
 use crate::problem::Options;
+use crate::selection;
 use crate::streams::Stream;
 use rayon::prelude::*;
 use std::collections::HashSet;
@@ -134,6 +135,7 @@ impl EvidencePair {
             }
         }
         fits.retain(Fit::is_finite);
+        selection::sort(&mut fits);
         Fits { all: fits, present }
     }
 

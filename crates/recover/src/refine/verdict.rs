@@ -210,12 +210,19 @@ impl Verdict<'_> {
             }
         }
         match hypothesis {
+            Hypothesis::PartialMirror if self.is_perfect(material.rho_s, explained) => {
+                note(Hypothesis::Mirror, Measured { holds: true, ..Measured::default() });
+                let note = "its reflectance does not differ from one by more than chance";
+                Some((Hypothesis::Mirror, Material::mirror(Rgb::ONE), note))
+            }
             Hypothesis::DiffuseSpecular => {
                 let (hypothesis, material) = self.mirror(guess, explained)?;
                 note(hypothesis, Measured { holds: true, ..Measured::default() });
                 Some((hypothesis, material, "its diffuse part is not significant"))
             }
-            Hypothesis::Isotropic if !self.is_told_from_sharpest(guess) => {
+            Hypothesis::Isotropic
+                if material.reflectance.is_free() && !self.is_told_from_sharpest(guess) =>
+            {
                 let beside = Material { rho_d: material.rho_d, ..Material::mirror(material.rho_s) };
                 let sharp = Rung { hypothesis: Hypothesis::DiffuseSpecular, material: beside };
                 let sharp = self.as_good(sharp, guess, options, note)?;
