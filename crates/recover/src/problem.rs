@@ -294,3 +294,19 @@ fn times(factor: Rgb) -> String {
     let [r, g, b] = factor.to_array().map(number);
     format!("{r} (red), {g} (green), {b} (blue) times")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_perfect_mirror_is_compared_only_where_a_partial_one_is_not_allowed() {
+        let material = Material::diffuse(Rgb::ZERO);
+        let group = Group { name: "wall".into(), material, emission: Rgb::ZERO };
+        let all = GroupSpec::of(&group);
+        assert!(!all.uniform_rungs().contains(&Hypothesis::Mirror));
+        let rungs = vec![Hypothesis::Diffuse, Hypothesis::Mirror];
+        let few = GroupSpec { rungs: rungs.clone(), ..all };
+        assert_eq!(few.uniform_rungs(), rungs);
+    }
+}
