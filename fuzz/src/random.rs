@@ -1,6 +1,8 @@
 //! Reproducible random numbers: SplitMix64 [Steele, Lea and Flood, "Fast Splittable Pseudorandom
 //! Number Generators", OOPSLA 2014].
 
+use glam::Vec3;
+
 /// A sequence of numbers.
 #[derive(Clone, Debug)]
 pub(crate) struct Random(u64);
@@ -30,5 +32,20 @@ impl Random {
     /// One of `items`, which are not empty.
     pub(crate) fn one<'a, T>(&mut self, items: &'a [T]) -> &'a T {
         &items[self.below(items.len())]
+    }
+
+    /// A number from `low` on, below `high`.
+    pub(crate) fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * (self.next() >> 40) as f32 / (1u64 << 24) as f32
+    }
+
+    /// True once in so many times.
+    pub(crate) fn once_in(&mut self, times: usize) -> bool {
+        self.below(times) == 0
+    }
+
+    /// A vector of three numbers from `low` on, below `high`.
+    pub(crate) fn vector(&mut self, low: f32, high: f32) -> Vec3 {
+        Vec3::from_array([0; 3].map(|_| self.between(low, high)))
     }
 }

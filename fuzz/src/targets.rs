@@ -78,7 +78,7 @@ fn input(path: &Path) -> Input<'_> {
 fn scene(path: &Path) {
     // The messages do not matter here, only that it returns.
     if let Ok((scene, _)) = load_scene(input(path)) {
-        let _ = assign_materials(input(path), &scene);
+        let _ = assign_materials(input(path), &scene, &[]);
     } else {
         let _ = load_model(input(path));
     }
@@ -157,7 +157,7 @@ fn project(path: &Path) {
 
 fn edit(path: &Path) {
     if let Ok(sheet) = EditSheet::read(path) {
-        let _ = unrender::edit::Restaging::load(&[sheet]);
+        let _ = unrender::edit::Restaging::load(vec![sheet]);
     }
 }
 

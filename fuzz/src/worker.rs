@@ -17,20 +17,31 @@ const MEMORY: u64 = 2 * crate::targets::MEMORY + (512 << 20);
 
 /// The limit of processor time for a file, seconds. The slowest valid one of 64 KiB takes one; with half of
 /// it nothing changes, with double, a reader that is twice as slow is not found.
-pub(crate) const SECONDS: u64 = 10;
+pub(crate) const SECONDS: u32 = 10;
 
-/// Ends this process, by SIGXCPU, if the next file takes more processor time than [`SECONDS`].
+/// Limits the memory of this process, and ends it, by SIGXCPU, if what comes next takes more `seconds` of a
+/// processor.
 ///
 /// # Errors
 /// If there are no limits here.
 #[cfg(unix)]
-fn limit_time() -> std::io::Result<()> {
+pub(crate) fn limit_resources(seconds: u32) -> std::io::Result<()> {
     use nix::sys::resource::{Resource, UsageWho, getrlimit, getrusage, setrlimit};
+    setrlimit(Resource::RLIMIT_AS, MEMORY, MEMORY)?;
     let used = getrusage(UsageWho::RUSAGE_SELF)?;
     let used = used.user_time().tv_sec() + used.system_time().tv_sec();
     let (_, hard) = getrlimit(Resource::RLIMIT_CPU)?;
     // The two were rounded down.
-    setrlimit(Resource::RLIMIT_CPU, (used as u64 + 2 + SECONDS).min(hard), hard)?;
+    setrlimit(Resource::RLIMIT_CPU, (used as u64 + 2 + u64::from(seconds)).min(hard), hard)?;
+    Ok(())
+}
+
+/// Nothing is limited here.
+///
+/// # Errors
+/// Never.
+#[cfg(not(unix))]
+pub(crate) fn limit_resources(_: u32) -> std::io::Result<()> {
     Ok(())
 }
 
@@ -55,8 +66,7 @@ fn folder() -> std::io::Result<tempfile::TempDir> {
 /// # Errors
 /// If its folder or its output cannot be written.
 pub(crate) fn run(target: &Target, seed: u64, first: u64, time: Duration) -> std::io::Result<()> {
-    #[cfg(unix)]
-    nix::sys::resource::setrlimit(nix::sys::resource::Resource::RLIMIT_AS, MEMORY, MEMORY)?;
+    limit_resources(SECONDS)?;
     let seeds = seeds::of(target.name);
     let folder = folder()?;
     // Files to which some seeds refer.
@@ -72,8 +82,7 @@ pub(crate) fn run(target: &Target, seed: u64, first: u64, time: Duration) -> std
         fs::write(&path, case(target, &seeds, seed, index))?;
         writeln!(stdout, "{index}")?;
         stdout.flush()?;
-        #[cfg(unix)]
-        limit_time()?;
+        limit_resources(SECONDS)?;
         (target.read)(&path);
         index += 1;
     }

@@ -7,6 +7,8 @@ use crate::scene::{Scene, camera_out};
 use crate::supervise::{Control, supervise_recovery};
 use numpy::{PyArray2, PyArray3, PyReadonlyArray3};
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -24,10 +26,10 @@ use unrender_formats::picture::{Depth, Picture};
 
 /// A recovery with its job.
 #[pyclass(module = "unrender._unrender", frozen)]
+#[derive(Serialize, Deserialize)]
 pub(crate) struct Recovered {
     job: Job,
     recovered: engine::Recovered,
-    global: Mutex<Global>,
 }
 
 /// A project in memory: its text, the path that it would have, and its arrays.
@@ -143,10 +145,7 @@ fn worked(
     if let Some(out) = out {
         command::write(&job, &recovered, out, &global)?;
     }
-    // The listener is gone.
-    global.console = Console::default();
-    global.quiet = true;
-    Ok(Recovered { job, recovered, global: Mutex::new(global) })
+    Ok(Recovered { job, recovered })
 }
 
 /// The state of a recovery after an iteration, as the text of a materials.json; `how` begins the sentence
@@ -303,9 +302,24 @@ impl Recovered {
         Scene::new(self.recovered.scene(&self.job))
     }
 
+    /// The recovery as bytes, for another process with the same build.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let bytes = py.detach(|| postcard::to_stdvec(self));
+        let bytes = bytes.map_err(|error| request(format!("the recovery: {error}")))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// The recovery of [`Recovered::to_bytes`].
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, bytes: &[u8]) -> PyResult<Self> {
+        py.detach(|| postcard::from_bytes(bytes)).map_err(|error| {
+            request(format!("these are not the bytes of a recovery from the same build: {error}"))
+        })
+    }
+
     /// Writes the results into a folder, as the command does.
     fn save(&self, py: Python<'_>, out: PathBuf) -> PyResult<()> {
-        let global = self.global.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let global = Global { quiet: true, ..Global::default() };
         let written = py.detach(|| command::write(&self.job, &self.recovered, &out, &global));
         written.map_err(|error| exception(py, &error))
     }

@@ -161,6 +161,13 @@ def test_integer_codes_are_written_without_a_loss(kind: Any, tmp_path: Path) -> 
     assert unrender.check(project).document["groups"]
 
 
+@pytest.mark.parametrize("kind", [np.int32, np.int64, np.uint32])
+def test_integers_without_a_known_white_are_refused(kind: Any) -> None:
+    project = unrender.Project(room(), np.full((20, 24, 3), 200, kind), exposure=1.0)
+    with pytest.raises(unrender.RequestError, match="codes of 0 to 255 are uint8"):
+        unrender.check(project)
+
+
 def test_what_is_no_number_does_not_count_in_files_either(tmp_path: Path) -> None:
     scene = room()
     photo = np.array(unrender.render(scene, width=24, height=20, spp=64))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -104,3 +105,6 @@ class Interrupted(KeyboardInterrupt):
         super().__init__("interrupted; the results so far are in .recovery or .picture")
         self.recovery = recovery
         self.picture = picture
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), recovery=self.recovery, picture=self.picture), ()

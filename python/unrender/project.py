@@ -293,6 +293,11 @@ def codes(photo: Any) -> tuple[NDArray[np.float32], int]:
         return plain(array.astype(np.float32) / np.float32(255)), 8
     if array.dtype == np.uint16:
         return plain(array.astype(np.float32) / np.float32(65535)), 16
+    if array.dtype.kind not in "f":
+        raise RequestError(
+            f"the photo is an array of {array.dtype}, whose white is not known; codes of 0 to 255 "
+            "are uint8, those of 0 to 65535 uint16 (photo.astype(np.uint8)), and other values floats"
+        )
     return plain(array), 0
 
 

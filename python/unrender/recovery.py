@@ -290,6 +290,18 @@ class Recovery:
         row, column and channel."""
         return _tables.dataset(self)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """The state of the recovery, for processes with the same build: ``pickle`` and ``copy`` use
+        it."""
+        inner = None if self._inner is None else self._inner.to_bytes()
+        return {**vars(self), "_inner": inner}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restores the recovery from such a state."""
+        vars(self).update(state)
+        inner = state["_inner"]
+        self._inner = None if inner is None else _unrender.Recovered.from_bytes(inner)
+
     def _whole(self) -> _unrender.Recovered:
         if self._inner is None:
             raise RequestError(

@@ -445,6 +445,7 @@ def export(
     light_units: str | None = None,
     to: str,
     out: StrPath,
+    environment: str | None = None,
     camera: str | None = None,
     width: int | None = None,
     height: int | None = None,
@@ -461,6 +462,8 @@ def export(
         light_units: The units of a glTF file's lights.
         to: "blender", "gltf", "materialx", "mitsuba", "pbrt" or "radiance".
         out: The folder to write, or for gltf the .glb file.
+        environment: A panorama instead of the scene's or the recovered environment, as in
+            ``"sky.exr: rotation_deg = 90, scale = 0.7"``.
         camera: The camera's name; by default the photograph's, else the scene's first.
         width: Pixels in a row; by default the photograph's.
         height: Rows; by default the photograph's.
@@ -481,6 +484,7 @@ def export(
             "light_units": light_units,
             "to": to,
             "out": out,
+            "environment": environment,
             "camera": camera,
             "width": width,
             "height": height,

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use unrender::render::Settings;
-use unrender::render::accel::{Accel, Ray, offset};
+use unrender::render::accel::{Accel, Ray, clearance};
 use unrender::render::camera_sample::camera_ray;
 use unrender::scene::Scene;
 
@@ -34,7 +34,7 @@ pub(crate) fn sets(scene: &Scene, triangles: &[[Vec3; 3]], side: usize) -> [RayS
         let [a, b, c] = triangles[hit.triangle as usize];
         let front = (b - a).cross(c - a).normalize();
         let normal = if front.dot(ray.direction) < 0.0 { front } else { -front };
-        let point = offset(ray.origin + hit.t * ray.direction, normal);
+        let point = ray.origin + hit.t * ray.direction + clearance([a, b, c]) * normal;
         let [u, v, s, t] = sampler.next4();
         bounce.push(Ray::new(point, by_cosine(normal, u, v)));
         let to_lamp = lamp.point(s, t) - point;

@@ -162,6 +162,7 @@ pub fn parse(bytes: &[u8], up: Option<Up>) -> Result<(Matched, Warnings), String
         aspect: Some((width_px / height_px) as f32),
         size: None,
         lens: Lens { principal_point, ..Lens::default() },
+        near: 0.0,
     };
     let size = if turned.swaps_sides() { (height, width) } else { (width, height) };
     Ok((Matched { camera, size, up }, warnings))

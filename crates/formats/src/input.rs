@@ -9,6 +9,7 @@
 use crate::LightUnits;
 use crate::missing::{Missing, is_missing};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
@@ -52,7 +53,7 @@ impl From<InputError> for String {
 }
 
 /// The limits of reading one input.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {
     /// Whether an input may name files outside its folder.
     pub outside: bool,

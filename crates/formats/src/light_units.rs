@@ -13,6 +13,7 @@
 //! spot as well as a point, and that sun the irradiance E. Emission of surfaces is always written as
 //! radiance.
 
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
@@ -22,7 +23,7 @@ use std::str::FromStr;
 const LUMENS_PER_WATT: f64 = 683.0;
 
 /// The unit of the intensity of a light in a glTF file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LightUnits {
     /// W/sr and W/m^2, each channel on its own.
     #[default]

@@ -10,8 +10,10 @@
 //! The first line that is not a comment names the columns, in any order; `name` may be left out.
 //! `x_px`, `y_px` are pixels of the upright photograph: (0, 0) is its top left corner, the centre of
 //! its first pixel (0.5, 0.5). `x_m`, `y_m`, `z_m` are metres, right-handed with y up. Lines that
-//! begin with `#` are comments.
+//! begin with `#` are comments. Semicolons or tabs may separate the values as well, and numbers have decimal
+//! commas then.
 
+use crate::separated::Table;
 use crate::{FileError, input};
 use std::path::Path;
 pub use unrender_scene::Pair;
@@ -40,12 +42,8 @@ pub fn read(path: &Path) -> Result<Vec<Pair>, FileError> {
 /// # Errors
 /// As [`read`], in words without the file's name.
 pub fn parse(bytes: &[u8]) -> Result<Vec<Pair>, String> {
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .flexible(true)
-        .from_reader(bytes);
+    let table = Table::of(bytes);
+    let (bytes, mut reader) = (table.bytes, table.reader());
     let header = reader.headers().map_err(|error| faulty(bytes, &error))?.clone();
     let unknown = |column: &&str| *column != NAME && !COLUMNS.contains(column);
     if let Some(unknown) = header.iter().find(unknown) {
@@ -72,10 +70,8 @@ pub fn parse(bytes: &[u8]) -> Result<Vec<Pair>, String> {
         }
         let mut numbers = [0.0; 5];
         for ((number, place), column) in numbers.iter_mut().zip(places).zip(COLUMNS) {
-            let text = &record[place];
-            *number = text.parse().ok().filter(|v: &f64| v.is_finite()).ok_or_else(|| {
-                format!("line {line}: {column} is \"{text}\"; write a number such as 12.5")
-            })?;
+            let faulty = |problem| format!("line {line}: {column} is {problem}");
+            *number = table.number(&record[place]).map_err(faulty)?;
         }
         let name = place(NAME).map_or("", |place| &record[place]);
         let name = if name.is_empty() { format!("line {line}") } else { name.to_owned() };
@@ -117,6 +113,23 @@ mod tests {
         assert_eq!(pairs[0].name, "a b");
         assert_eq!(pairs[1].name, "line 6");
         assert_eq!(parse(b"\xEF\xBB\xBFx_px,y_px,x_m,y_m,z_m\r\n1,2,3,4,5\r\n").unwrap().len(), 1);
+    }
+
+    #[test]
+    fn semicolons_and_tabs_separate_as_well() {
+        let commas =
+            parse(b"x_px,y_px,x_m,y_m,z_m,name\n812.5,433,0,0.74,-1.2,\"a, b\"\n").unwrap();
+        let semicolons = "x_px;y_px;x_m;y_m;z_m;name\n812,5;433;0;0,74;-1,2;a, b\n";
+        for text in [semicolons.to_owned(), semicolons.replace(';', "\t"), points(semicolons)] {
+            assert_eq!(parse(text.as_bytes()).unwrap(), commas, "{text}");
+        }
+        let mixed = "x_px;y_px;x_m;y_m;z_m\n812,5;433;0;0.74;-1,2\n";
+        assert!(parse(mixed.as_bytes()).unwrap_err().starts_with("line 2: y_m is \"0.74\", but"));
+    }
+
+    /// `text` with decimal points.
+    fn points(text: &str) -> String {
+        text.replace("2,5", "2.5").replace("0,74", "0.74").replace("1,2", "1.2")
     }
 
     #[test]

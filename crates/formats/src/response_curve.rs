@@ -13,7 +13,9 @@
 //! `code,r,g,b` for one per channel. A code is the file's value from 0 to 1 (of an 8-bit file,
 //! divided by 255); a linear value is proportional to radiance, in any unit: `exposure` is radiance
 //! per that unit. Both grow from row to row. Lines that begin with `#` are comments.
+//! Semicolons or tabs may separate the values as well, and numbers have decimal commas then.
 
+use crate::separated::Table;
 use crate::{FileError, atomic, input};
 use std::path::Path;
 
@@ -56,12 +58,8 @@ pub fn write(path: &Path, rows: &ResponseRows, comment: &str) -> Result<(), File
 /// # Errors
 /// As [`read`], in words without the file's name.
 pub fn parse(bytes: &[u8]) -> Result<ResponseRows, String> {
-    let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .flexible(true)
-        .from_reader(bytes);
+    let table = Table::of(bytes);
+    let mut reader = table.reader();
     let not_csv = |error: csv::Error| format!("is not CSV ({error})");
     let header = reader.headers().map_err(not_csv)?.clone();
     let columns: Vec<&str> = header.iter().collect();
@@ -79,8 +77,8 @@ pub fn parse(bytes: &[u8]) -> Result<ResponseRows, String> {
             return Err(format!("row {row}: has {values} values, but there are {columns} columns"));
         }
         let mut numbers = record.iter().zip(&columns).map(|(text, column)| {
-            let number = text.parse().ok().filter(|v: &f64| v.is_finite());
-            number.ok_or_else(|| format!("row {}: {column} is \"{text}\", no number", index + 1))
+            let faulty = |problem| format!("row {}: {column} is {problem}", index + 1);
+            table.number(text).map_err(faulty)
         });
         rows.codes.extend(numbers.next().transpose()?);
         let linear = numbers.collect::<Result<Vec<f64>, String>>()?;
@@ -131,6 +129,8 @@ mod tests {
         assert!(one.linear.iter().all(|values| values == &[0.0, 0.2, 1.0]));
         let three = parse(b"\xEF\xBB\xBFcode,r,g,b\r\n0,0,0,0.1\r\n1,1,2,3\r\n").unwrap();
         assert_eq!(three.linear, [vec![0.0, 1.0], vec![0.0, 2.0], vec![0.1, 3.0]]);
+        assert_eq!(parse(b"code;linear\r\n0;0\r\n0,5;0,2\r\n1;1\r\n").unwrap(), one);
+        assert_eq!(parse(b"code\tlinear\n0\t0\n0.5\t0.2\n1\t1\n").unwrap(), one);
     }
 
     #[test]

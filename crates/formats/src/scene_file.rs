@@ -1,7 +1,7 @@
 //! Scenes by file extension: the one place that knows which formats there are.
 
 use crate::import::{mitsuba, radiance};
-use crate::{FileError, Input, gltf, obj};
+use crate::{FileError, Input, gltf, near, obj};
 use glam::DVec3;
 use std::path::Path;
 use unrender_scene::{Camera, Scene, SceneError, Warnings};
@@ -85,13 +85,15 @@ fn load(
         return Err(FileError::new(path, "does not exist"));
     }
     let (mut scene, mut warnings) = format.read(input)?;
+    near::settle(&mut scene, &mut warnings);
     let doubts = validate(&mut scene)
         .map_err(|error| FileError::because(path, "", error).after(&warnings))?;
     warnings.extend(doubts);
     Ok((scene, warnings))
 }
 
-/// The bytes of a `.glb` that shows what `source` shows, with the materials of `scene`.
+/// The bytes of a `.glb` that shows what `source` shows, with the materials of `scene`; `added` are those of its cameras
+/// that the file lacks.
 ///
 /// A glTF file keeps everything else in it ([`gltf::assign_materials`]); from other formats the scene
 /// itself is written ([`gltf::to_glb`]).
@@ -101,10 +103,11 @@ fn load(
 pub fn assign_materials<'a>(
     source: impl Into<Input<'a>>,
     scene: &Scene,
+    added: &[Camera],
 ) -> Result<Vec<u8>, FileError> {
     let source = source.into();
     match format_of(source.path)? {
-        Format::Gltf => gltf::assign_materials(source, scene),
+        Format::Gltf => gltf::assign_materials(source, scene, added),
         _ => gltf::to_glb(scene).map_err(|error| FileError::new(source.path, error)),
     }
 }

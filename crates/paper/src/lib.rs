@@ -65,7 +65,7 @@ const WIDER: [f32; 3] = [0.5, 1.0, 2.0];
 const SETTLED: f64 = 0.002;
 
 /// How the anisotropy direction is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Direction {
     /// Of 64 sampled directions the one whose re-rendering differs least from the photograph.
     #[default]
@@ -75,7 +75,7 @@ pub enum Direction {
 }
 
 /// The settings of the method, beside the [`Options`] of every recovery.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Paper {
     /// How the anisotropy direction is found.
     pub direction: Direction,

@@ -4,8 +4,10 @@
 //! harmonic mean of the slopes of the adjacent chords, so that the curve is monotone [Fritsch and
 //! Butland 1984; PCHIP in MATLAB and SciPy].
 
+use serde::{Deserialize, Serialize};
+
 /// A strictly increasing curve from codes to linear values.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     codes: Vec<f64>,
     values: Vec<f64>,

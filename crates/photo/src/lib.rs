@@ -31,10 +31,11 @@ pub use response::{Response, UnknownResponse};
 pub use transfer::Transfer;
 pub use vignetting::Vignetting;
 
+use serde::{Deserialize, Serialize};
 use unrender_scene::{Image, Merged, Picture, Rgb, RgbImage};
 
 /// Scene radiance per unit of linear pixel value.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Exposure {
     /// Known, by channel.
     Fixed(Rgb),
@@ -53,7 +54,7 @@ impl Exposure {
 }
 
 /// A developed photograph.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Photo {
     /// Radiance, W sr^-1 m^-2 per channel.

@@ -1,12 +1,13 @@
 //! Camera responses: the map from pixel values (codes) to linear values.
 
 use crate::Curve;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::str::FromStr;
 use std::sync::Arc;
 use unrender_scene::color::{linear_from_srgb, srgb_from_linear};
 
 /// The encoding of linear values by the camera or its software.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Response {
     /// The sRGB curve (IEC 61966-2-1).
     Srgb,
@@ -15,7 +16,15 @@ pub enum Response {
     /// code = linear^(1 / gamma).
     Gamma(f32),
     /// Measured, per channel; the other responses are the same in all channels.
-    Measured(Arc<[Curve; 3]>),
+    Measured(#[serde(serialize_with = "pointee", deserialize_with = "pointer")] Arc<[Curve; 3]>),
+}
+
+fn pointee<S: Serializer>(curves: &Arc<[Curve; 3]>, serializer: S) -> Result<S::Ok, S::Error> {
+    curves.as_ref().serialize(serializer)
+}
+
+fn pointer<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Arc<[Curve; 3]>, D::Error> {
+    <[Curve; 3]>::deserialize(deserializer).map(Arc::new)
 }
 
 /// There is no response of this name.

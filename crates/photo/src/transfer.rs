@@ -12,10 +12,11 @@
 
 use crate::{Response, Vignetting};
 use glam::Mat3;
+use serde::{Deserialize, Serialize};
 use unrender_scene::{Rgb, RgbImage};
 
 /// The transfer function of a camera and of the program that wrote its picture.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Transfer {
     /// The curve from linear values to codes.
     pub response: Response,

@@ -8,10 +8,11 @@
 //!   the optical axis, in units of half the picture's diagonal: 1 in the corners of a picture whose
 //!   axis is in the middle.
 
+use serde::{Deserialize, Serialize};
 use unrender_scene::{Camera, Image};
 
 /// The law of the fall-off.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Law {
     /// With the fourth power of the cosine of the angle to the axis.
     Cos4,
@@ -20,7 +21,7 @@ pub enum Law {
 }
 
 /// The vignetting of the pictures of one camera.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Vignetting {
     /// The law.
     pub law: Law,

@@ -1,12 +1,14 @@
 //! How much work a recovery is worth: an answer at once, the usual one, or one with less noise.
 
+use serde::{Deserialize, Serialize};
+
 /// How many pixels, light samples and paths are spent on every comparison.
 ///
 /// A draft compares the hypotheses of each group once, in the light of the first common fit. The others make the same
 /// comparisons with more samples: then more differences are significant. The standard deviations of a draft are larger,
 /// and somewhat too small for its errors (`docs/guides/results.md`). The paper's ladder has its own sample counts, and
 /// heeds this only in the choice of the camera, the exposure by an anchor, and the last picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Effort {
     /// A first answer, for an eighth of the samples and without second thoughts: faint and small lobes may be missed, and
     /// groups that light each other may keep each other wrong.

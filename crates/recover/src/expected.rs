@@ -4,6 +4,7 @@
 //! ([`ParameterBounds::allow`]), fits and the joint refinement stay within. Starting values bind nothing:
 //! they are where the first iteration and one more search begin.
 
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use unrender_scene::{Hypothesis, Material, Rgb, Texture};
 
@@ -13,7 +14,7 @@ use unrender_scene::{Hypothesis, Material, Rgb, Texture};
 pub const ALPHA_RANGE: [f32; 2] = [0.005, 1.0];
 
 /// What is expected of a group's numbers.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Expected {
     /// The least and the greatest value of each.
     pub bounds: ParameterBounds,
@@ -24,7 +25,7 @@ pub struct Expected {
 }
 
 /// A group's numbers are about those of another.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Like {
     /// The other group's index.
     pub group: usize,
@@ -36,7 +37,7 @@ pub struct Like {
 ///
 /// As everywhere, `alpha_x` is the lesser roughness: its lower bound also holds for `alpha_y`, and
 /// the upper one of `alpha_y` for it. A round lobe's lies in both intervals.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ParameterBounds {
     /// Of the diffuse reflectance, and of every texel of a texture.
     pub rho_d: [Rgb; 2],
@@ -49,7 +50,7 @@ pub struct ParameterBounds {
 }
 
 /// Values to start from, where there are any.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StartValues {
     /// Diffuse reflectance.
     pub rho_d: Option<Rgb>,

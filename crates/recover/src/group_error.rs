@@ -89,6 +89,11 @@ impl GroupError {
     /// Why the material is not to be trusted, if too much of the group's light is left unexplained.
     pub(crate) fn doubt(&self) -> Option<String> {
         let error = self.squares.relative()?;
+        if self.squares.is_of_black() {
+            return Some(
+                "the photograph is black where it shows it, and its re-rendering is not".into(),
+            );
+        }
         let most = if self.is_wrong { DOUBTFUL } else { OPEN };
         (error > most).then(|| {
             let [error, most] = [error, most].map(|share| 100.0 * share);
@@ -141,11 +146,17 @@ impl Squares {
     }
 
     /// The relative root mean square; where it is not significant, its standard deviation; infinite where a radiance is no
-    /// finite number. None where no pixel shows the group.
+    /// finite number, and where the re-rendering of what is black in the photograph is not. None where both are, and where no
+    /// pixel shows the group.
     pub(crate) fn relative(&self) -> Option<f64> {
         let square = self.square.max(self.deviation).max(0.0);
         let square = if self.square.is_finite() { square } else { f64::INFINITY };
-        (self.photo > 0.0).then(|| (square / self.photo).sqrt())
+        (self.photo > 0.0 || square > 0.0).then(|| (square / self.photo).sqrt())
+    }
+
+    /// Whether the photograph is black where it shows the group.
+    fn is_of_black(&self) -> bool {
+        self.photo <= 0.0
     }
 
     /// The share of the squared error `whole`.
@@ -261,6 +272,18 @@ mod tests {
         // An error that is explained.
         assert_eq!(doubt(0.0001, 0.00001), None);
         assert_eq!(doubt(-0.002, 0.001), None, "by chance");
+    }
+
+    #[test]
+    fn what_is_black_in_the_photograph_alone_is_doubted() {
+        let doubt = |square, deviation| {
+            let squares = Squares { square, deviation, photo: 0.0 };
+            GroupError { squares, is_wrong: squares.is_wrong() }.doubt()
+        };
+        assert_eq!(doubt(0.0, 0.0), None, "both are black, or no pixel shows it");
+        for (square, deviation) in [(0.01, 0.001), (0.0, 0.01), (f64::NAN, 0.0)] {
+            assert!(doubt(square, deviation).unwrap().contains("black"));
+        }
     }
 
     #[test]

@@ -106,7 +106,7 @@ fn group_result(guess: &Guess<'_>, group: usize, error: &GroupError, whole: f64)
         seen_texels: of_group.seen_texels.clone(),
         pixels: observation.all_pixels_of_group[group].len(),
         valid_pixels: valid.len(),
-        error: error.squares.relative(),
+        error: error.squares.relative().filter(|error| error.is_finite()),
         error_share: error.squares.share_of(whole),
         selection_log: of_group.selection_log.clone(),
         decisions: Vec::new(),

@@ -5,6 +5,7 @@ use crate::expected::Expected;
 use crate::observe::observation::Observation;
 use crate::observe::photometric::PhotometricParameter;
 use crate::texture::Detail;
+use serde::{Deserialize, Serialize};
 use unrender_render::Renderer;
 use unrender_scene::{Group, Hypothesis, Material, Rgb};
 
@@ -162,7 +163,7 @@ pub enum ExposureRule {
 }
 
 /// The user's settings.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Options {
     /// How much work to spend.
     pub effort: Effort,
@@ -198,7 +199,7 @@ impl Default for Options {
 }
 
 /// When a hypothesis is good enough; relative errors, 0.01 is one percent.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Thresholds {
     /// Model error, as a share of the local light, that always counts as explained: no difference
     /// below it decides anything.
@@ -239,8 +240,7 @@ pub enum RecoverError {
     /// No light of the scene reaches the groups that the photograph shows, which are these.
     #[error(
         "no light of the scene reaches what the camera sees ({}). Does the camera stand outside of a closed room or inside \
-         of something (a near clipping plane that lets it look through a wall is not taken over: move the camera, or \
-         remove the wall), are the lamps shut in, or is another axis up than in the scene? `unrender check` draws what \
+         of something (near in the project's [camera] lets it look through a wall, as a near clipping plane does), are the lamps shut in, or is another axis up than in the scene? `unrender check` draws what \
          the camera sees",
         some_names(_0)
     )]

@@ -11,7 +11,7 @@ pub use unrender_scene::Status;
 use unrender_scene::{Image, Material, Rgb, RgbImage};
 
 /// The result of a recovery.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Recovery {
     /// All groups of the scene, in its order.
@@ -43,7 +43,7 @@ pub struct Recovery {
 }
 
 /// The result for one group.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GroupResult {
     /// The group's name.
     pub name: String,
@@ -67,7 +67,7 @@ pub struct GroupResult {
     /// Pixels among them that were valid.
     pub valid_pixels: usize,
     /// Relative root mean square of photograph minus re-rendering over the valid pixels, without
-    /// the rendering noise. None where no pixel shows the group.
+    /// the rendering noise. None where no pixel shows the group, or the photograph is black wherever it does.
     pub error: Option<f64>,
     /// The group's share, 0 to 1, of the squared error of all groups' valid pixels.
     pub error_share: Option<f64>,
@@ -80,7 +80,7 @@ pub struct GroupResult {
 }
 
 /// Other parameters of a group that explain the photograph as well.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Alternative {
     /// The rung.
@@ -107,7 +107,7 @@ pub struct Deviations {
 }
 
 /// The joint covariance of the numbers that were refined, each in the unit of its [`crate::Quantity`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Covariance {
     /// The numbers.
     pub of: Vec<Unknown>,
@@ -148,7 +148,7 @@ pub struct CandidateRecord {
 }
 
 /// What a rule said of a change of a group's hypothesis.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Decision {
     /// The number of global re-renderings before it.
@@ -173,7 +173,7 @@ pub struct Decision {
 }
 
 /// The rules that decide over a change of a hypothesis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Rule {
     /// On samples of the light that arrives at the group's pixels: the simplest hypothesis that no other beats by two
@@ -211,7 +211,7 @@ impl Rule {
 }
 
 /// One global re-rendering.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct IterationRecord {
     /// Whether it was a pass of the refinement, after the choice of hypotheses.
@@ -232,7 +232,7 @@ pub struct IterationRecord {
 }
 
 /// Where one group stands after a global re-rendering.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct GroupIteration {
     /// Its rung.
@@ -246,7 +246,7 @@ pub struct GroupIteration {
 }
 
 /// Why a recovery ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Termination {
     /// No parameter changes any more.

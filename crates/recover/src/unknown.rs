@@ -1,8 +1,10 @@
 //! The names of the free numbers of a joint refinement. What each of them is (its prior, its bounds,
 //! its derivative) is in `refine/parameters`.
 
+use serde::{Deserialize, Serialize};
+
 /// One kind of number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Quantity {
     /// Diffuse reflectance; of a texture the mean, by the light that it sends to other groups.
     RhoD,
@@ -32,7 +34,7 @@ impl Quantity {
 }
 
 /// One free number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Unknown {
     /// Its kind.
     pub quantity: Quantity,

@@ -17,6 +17,7 @@ use align::{Alignment, Offset, align, median, vote};
 use edges::{Edgel, edgels, finer};
 use glam::{Vec2, Vec3};
 use offset::EdgePicture;
+use serde::{Deserialize, Serialize};
 use unrender_render::{GeometryBuffers, NOTHING};
 use unrender_scene::{Camera, Image, RgbImage};
 
@@ -35,7 +36,7 @@ const EDGELS_MIN: usize = 60;
 pub type GeometryOf<'a> = &'a dyn Fn(&Camera, usize, usize) -> GeometryBuffers;
 
 /// The registration of a model to a photograph.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Registration {
     /// The camera that brings the model's edges onto the photograph's; the given one if no other

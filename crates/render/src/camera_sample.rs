@@ -44,7 +44,7 @@ fn along_z_curve(x: u32, y: u32) -> u32 {
     apart(x) | apart(y) << 1
 }
 
-/// A ray through a random point of a pixel: the reconstruction filter is a box over the pixel.
+/// A ray through a random point of a pixel, from the near clipping plane on: the reconstruction filter is a box over the pixel.
 pub fn camera_ray(
     camera: &Camera,
     (width, height): (usize, usize),
@@ -54,7 +54,8 @@ pub fn camera_ray(
     let [dx, dy, ..] = sampler.next4();
     let x = (pixel as usize % width) as f32 + dx;
     let y = (pixel as usize / width) as f32 + dy;
-    Ray::new(camera.origin(), camera.direction(x, y, width, height))
+    let direction = camera.direction(x, y, width, height);
+    Ray::new(camera.start(direction), direction)
 }
 
 #[cfg(test)]

@@ -88,8 +88,9 @@ impl EnvironmentSampler {
     /// The density over solid angle with which [`EnvironmentSampler::sample`] draws `wi`.
     pub fn pdf(&self, wi: Vec3) -> f32 {
         let (u, _) = self.environment.place(wi);
+        let height = self.environment.up().height(wi);
         // The cosines decrease; the last entry is the end of the last row.
-        let row = self.cosines.partition_point(|&c| c > wi.y).clamp(1, self.rows.len()) - 1;
+        let row = self.cosines.partition_point(|&c| c > height).clamp(1, self.rows.len()) - 1;
         let column = (u * self.columns as f32 - 0.5).rem_euclid(self.columns as f32) as usize;
         self.densities[row * self.columns + column.min(self.columns - 1)]
     }

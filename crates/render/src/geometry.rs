@@ -50,11 +50,12 @@ impl Tracer {
     pub fn geometry(&self, camera: &Camera, width: usize, height: usize) -> GeometryBuffers {
         let at = |index: usize| {
             let (x, y) = ((index % width) as f32 + 0.5, (index / width) as f32 + 0.5);
-            let ray = Ray::new(camera.origin(), camera.direction(x, y, width, height));
+            let direction = camera.direction(x, y, width, height);
+            let ray = Ray::new(camera.start(direction), direction);
             self.surface(&ray).map_or(PixelGeometry::EMPTY, |surface| PixelGeometry {
                 object: surface.object,
                 group: surface.group,
-                depth: (surface.point - ray.origin).length(),
+                depth: (surface.point - camera.origin()).length(),
                 normal: surface.frame.normal,
                 tangent: surface.frame.tangent,
                 uv: surface.uv,

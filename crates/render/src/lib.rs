@@ -34,6 +34,7 @@ pub mod adaptive;
 pub mod appearance;
 pub mod bsdf;
 pub mod camera_sample;
+pub mod coplanar;
 pub mod denoise;
 pub mod emitters;
 pub mod environment;

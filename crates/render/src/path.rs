@@ -22,7 +22,7 @@ mod direct;
 pub(crate) use direct::DirectLight;
 pub use direct::VisibleLight;
 
-use crate::accel::{self, Ray};
+use crate::accel::Ray;
 use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::{Bsdf, BsdfSample, Specular};
 use crate::guiding::{self, FourPairs, VmfMixture};
@@ -223,7 +223,7 @@ impl<'a> Transport<'a> {
 
     /// A ray that leaves `surface` along `wi` without hitting it again.
     pub fn leave(surface: &Surface, wi: Vec3) -> Ray {
-        Ray::new(accel::offset(surface.point, surface.geometric_normal), wi)
+        Ray::new(surface.start(), wi)
     }
 
     /// The radiance that `surface` emits towards the side from which it was hit: from its front

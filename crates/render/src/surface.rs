@@ -17,6 +17,8 @@ pub struct Surface {
     pub front: bool,
     /// Unit normal of the triangle on the viewer's side.
     pub geometric_normal: Vec3,
+    /// How far off the triangle rays that leave it start, metres ([`crate::accel::clearance`]).
+    pub clearance: f32,
     /// The shading frame.
     pub frame: Frame,
     /// `TEXCOORD_0`; zero where there is none.
@@ -24,6 +26,12 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Where rays that leave it start: on the viewer's side of the triangle, just far enough not to meet it again.
+    #[inline]
+    pub fn start(&self) -> Vec3 {
+        self.point + self.clearance * self.geometric_normal
+    }
+
     /// True if `wi`, in world space, lies in the upper hemisphere of both the geometric and the
     /// shading normal.
     pub fn is_above(&self, wi: Vec3) -> bool {

@@ -3,11 +3,13 @@
 
 use crate::accel::{self, Accel, Hit, Ray};
 use crate::appearance::Appearance;
+use crate::coplanar::{InFront, in_front};
 use crate::emitters::{Emitters, TriangleEmission};
 use crate::guiding::SpecularGuide;
 use crate::surface::{Frame, Surface};
 use crate::virtual_lamps::{FlatFaces, VirtualLamps};
 use glam::{Vec2, Vec3, Vec4};
+use std::borrow::Cow;
 use unrender_scene::{BrdfModel, Mesh, Scene, SceneError};
 
 /// A scene prepared for ray tracing.
@@ -21,6 +23,7 @@ pub struct Tracer {
     pub(crate) emitters: Emitters,
     pub(crate) guide: SpecularGuide,
     pub(crate) flat_faces: FlatFaces,
+    in_front: Vec<InFront>,
     pub(crate) model: BrdfModel,
     objects: Vec<TracedObject>,
     /// All triangles and all vertices of the scene.
@@ -47,6 +50,8 @@ struct Face {
     object: u32,
     /// Unit normal of the front.
     normal: Vec3,
+    /// How far off it rays that leave it start, metres.
+    clearance: f32,
     /// If `is_flat`, the tangent of its frame; else the unit vector `dp/du`, zero where there is none.
     tangent: Vec3,
     /// Whether all its points have one frame: that of the shading normal of its first corner and `tangent`.
@@ -86,6 +91,12 @@ impl Tracer {
     /// Those of [`Scene::check`].
     pub fn try_new(scene: &Scene) -> Result<Self, SceneError> {
         scene.check()?;
+        let flat_faces = FlatFaces::new(scene);
+        let (moved, in_front) = in_front(scene, &flat_faces);
+        let (scene, flat_faces) = match &moved {
+            Cow::Borrowed(_) => (scene, flat_faces),
+            Cow::Owned(moved) => (moved, FlatFaces::new(moved)),
+        };
         let mut objects = Vec::with_capacity(scene.objects.len());
         let mut faces = Vec::with_capacity(scene.triangle_count());
         let mut vertices: Vec<Vertex> = Vec::new();
@@ -121,14 +132,18 @@ impl Tracer {
             scene.environment.as_ref(),
         );
         let guide = SpecularGuide::new(scene, emitters.layout().clone());
-        let flat_faces = FlatFaces::new(scene);
         let model = scene.brdf;
-        Ok(Self { accel, emitters, guide, flat_faces, model, objects, faces, vertices })
+        Ok(Self { accel, emitters, guide, flat_faces, in_front, model, objects, faces, vertices })
     }
 
     /// The nearest surface along the ray.
     pub fn surface(&self, ray: &Ray) -> Option<Surface> {
         self.accel.closest(ray).map(|hit| self.surface_at(ray, hit))
+    }
+
+    /// The faces that lay in the plane of a larger one and were moved in front of it.
+    pub fn in_front(&self) -> &[InFront] {
+        &self.in_front
     }
 
     /// The indices of a triangle's object and group.
@@ -173,6 +188,7 @@ impl Tracer {
             group: object.group,
             front,
             geometric_normal: if front { face.normal } else { -face.normal },
+            clearance: face.clearance,
             frame,
             uv: object.uv(face, weights),
         }
@@ -218,9 +234,10 @@ impl Face {
             } else {
                 dp_du(mesh, corners.map(|i| i as usize)).normalize_or_zero()
             };
-            let normal = accel::front_normal(mesh.corners(index));
+            let places = mesh.corners(index);
+            let (normal, clearance) = (accel::front_normal(places), accel::clearance(places));
             let corners = corners.map(|i| i + first_vertex);
-            Self { corners, object, normal, tangent: dp_du, is_flat: false }
+            Self { corners, object, normal, clearance, tangent: dp_du, is_flat: false }
         })
     }
 

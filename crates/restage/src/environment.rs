@@ -12,6 +12,7 @@ pub struct Surround {
 
 pub(crate) fn apply(surround: &Surround, stage: &mut Stage<'_>) -> Result<(), String> {
     stage.claim("environment", "panorama")?;
-    stage.scene.environment.clone_from(&surround.environment);
+    let up = stage.scene.up;
+    stage.scene.environment = surround.environment.clone().map(|around| around.with_up(up));
     Ok(())
 }

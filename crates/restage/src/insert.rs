@@ -1,8 +1,8 @@
 //! Inserting a model into the scene.
 
 use crate::repaint::Paint;
-use crate::snap;
 use crate::stage::Stage;
+use crate::{size, snap};
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use unrender_scene::{Light, LightKind, Mesh, Scene};
 
@@ -13,7 +13,7 @@ pub struct Insert {
     pub name: String,
     /// Its meshes, groups and lights, which passed `Scene::validate_meshes`.
     pub model: Scene,
-    /// Rotation about its own origin.
+    /// Rotation about its own origin, before it is set upright in the scene: its own y points upwards.
     pub rotation: Quat,
     /// Scale factor, above zero.
     pub scale: f32,
@@ -32,10 +32,8 @@ pub enum Place {
     Onto {
         /// The group.
         group: String,
-        /// World x, metres.
-        x: f64,
-        /// World z, metres.
-        z: f64,
+        /// The horizontal world coordinates, metres: x and z, or x and y where z points upwards.
+        at: [f64; 2],
     },
     /// At the first hit of a ray.
     Seen {
@@ -62,41 +60,43 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
     }
     let mut model = insert.model.clone();
     paint(insert, &mut model)?;
-    let turned = Affine3A::from_scale_rotation_translation(
-        Vec3::splat(insert.scale),
-        insert.rotation,
-        Vec3::ZERO,
-    );
+    let rotation = scene.up.rotation() * insert.rotation;
+    let turned =
+        Affine3A::from_scale_rotation_translation(Vec3::splat(insert.scale), rotation, Vec3::ZERO);
     model.objects.iter_mut().for_each(|object| transform_mesh(&mut object.mesh, &turned));
     let Some([low, high]) = model.bounds() else {
         return Err(format!("the model of \"{name}\" has no triangles"));
     };
-    let foot = 0.5 * (low + high).with_y(2.0 * low.y);
+    let up = scene.up.unit();
+    let foot = 0.5 * (low + high) - 0.5 * (high - low).dot(up) * up;
     let shift = match &insert.place {
         Place::At(position) => {
             // A model far from its own zero has its positions relative to its middle.
             let scale = f64::from(insert.scale);
-            let midst = insert.rotation.as_dquat() * (scale * insert.model.origin);
+            let midst = rotation.as_dquat() * (scale * insert.model.origin);
             scene.here(*position + midst)
         }
-        Place::Onto { group, x, z } => snap::highest(scene, group, *x, *z)? - foot,
+        Place::Onto { group, at } => snap::highest(scene, group, *at)? - foot,
         Place::Seen { origin, direction, group } => {
             snap::seen(scene, *origin, *direction, group.as_deref())? - foot
         }
     };
     let moved = Affine3A::from_translation(shift);
     model.objects.iter_mut().for_each(|object| transform_mesh(&mut object.mesh, &moved));
-    if let Some([a, b]) = scene.bounds()
-        && ((low + shift).cmpgt(b).any() || (high + shift).cmplt(a).any())
-    {
-        return Err(format!(
-            "\"{name}\" stands outside the scene, which reaches from {} to {}: it would reach \
-             from {} to {}",
-            scene.shown(a),
-            scene.shown(b),
-            scene.shown(low + shift),
-            scene.shown(high + shift)
-        ));
+    if let Some([a, b]) = scene.bounds() {
+        let doubt = size::doubt((name, insert.scale), low.distance(high), a.distance(b));
+        if (low + shift).cmpgt(b).any() || (high + shift).cmplt(a).any() {
+            return Err(format!(
+                "\"{name}\" stands outside the scene, which reaches from {} to {}: it would reach \
+                 from {} to {}{}",
+                scene.shown(a),
+                scene.shown(b),
+                scene.shown(low + shift),
+                scene.shown(high + shift),
+                doubt.map(|doubt| format!("; {doubt}")).unwrap_or_default()
+            ));
+        }
+        doubt.into_iter().for_each(|doubt| stage.change.warnings.push(doubt));
     }
     let world_from_model = moved * turned;
     model

@@ -20,7 +20,8 @@ pub mod light;
 pub mod pair;
 pub mod remove;
 pub mod repaint;
-pub mod snap;
+pub mod size;
+mod snap;
 mod stage;
 pub mod touched;
 

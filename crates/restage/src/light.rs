@@ -4,10 +4,11 @@
 
 use crate::stage::{Stage, some_names};
 use glam::{DVec3, Quat, Vec2, Vec3};
+use serde::{Deserialize, Serialize};
 use unrender_scene::{Group, Light, LightKind, Material, Mesh, Object, Rgb};
 
 /// Changes, adds or removes one light.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightEdit {
     /// The name of the light: of a group that emits, or of a punctual light.
     pub name: String,
@@ -16,7 +17,7 @@ pub struct LightEdit {
 }
 
 /// A change of a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum LightChange {
     /// Changes its parameters.
     Alter(Alter),
@@ -27,7 +28,7 @@ pub enum LightChange {
 }
 
 /// A change of the parameters of a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Alter {
     /// Factor on its strength, by channel; zero switches it off.
     pub scale: Rgb,
@@ -41,7 +42,7 @@ pub struct Alter {
 }
 
 /// A new light.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum NewLight {
     /// A punctual light.
     Punctual(LightKind),

@@ -23,6 +23,10 @@ pub struct Camera {
     pub size: Option<[u32; 2]>,
     /// Principal point and distortion.
     pub lens: Lens,
+    /// The depth of the near clipping plane, metres: what is nearer along the axis is not seen. Zero where nothing is cut
+    /// away.
+    #[serde(default)]
+    pub near: f32,
 }
 
 impl Camera {
@@ -43,7 +47,18 @@ impl Camera {
         let axes = Mat3::from_cols(right, back.cross(right), back);
         let world_from_camera = Affine3A::from_mat3_translation(axes, eye);
         let lens = Lens::default();
-        Self { name: name.to_owned(), world_from_camera, fov_y_rad, aspect: None, size: None, lens }
+        let (name, aspect, size, near) = (name.to_owned(), None, None, 0.0);
+        Self { name, world_from_camera, fov_y_rad, aspect, size, lens, near }
+    }
+
+    /// Where the ray along the unit vector `direction` begins: at the camera's centre, or at its near clipping plane.
+    #[inline]
+    pub fn start(&self, direction: Vec3) -> Vec3 {
+        if self.near == 0.0 {
+            return self.origin();
+        }
+        let cos = -direction.dot(self.world_from_camera.matrix3.z_axis.into());
+        self.origin() + (self.near / cos) * direction
     }
 
     /// The camera's centre in world space.

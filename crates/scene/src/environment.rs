@@ -3,7 +3,8 @@
 //! The panorama is equirectangular: columns are equal steps of heading, rows equal steps of the
 //! angle from straight up. Its centre shows what lies along world -z, where a camera without any
 //! rotation looks, and +x lies to the right of that, a quarter of the picture on; its upper edge is
-//! +y (`docs/reference/conventions.md`). With `heading = atan2(x, -z)`, the direction (x, y, z) is at
+//! +y (`docs/reference/conventions.md`). In a scene of which +z points upwards ([`UpAxis`]), it is turned as a whole: its
+//! centre shows what lies along +y, and its upper edge is +z. With `heading = atan2(x, -z)`, the direction (x, y, z) is at
 //!
 //! ```text
 //! column = width  (1/2 + (heading + rotation) / (2 pi)), modulo width
@@ -11,7 +12,7 @@
 //! ```
 
 use crate::color::luminance;
-use crate::{Rgb, RgbImage};
+use crate::{Rgb, RgbImage, UpAxis};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
@@ -26,6 +27,7 @@ pub struct Environment {
     radiance: Arc<RgbImage>,
     rotation_rad: f32,
     is_in_parts: bool,
+    up: UpAxis,
     #[serde(skip_serializing)]
     mean: Rgb,
 }
@@ -78,6 +80,8 @@ struct Unchecked {
     rotation_rad: f32,
     #[serde(default)]
     is_in_parts: bool,
+    #[serde(default)]
+    up: UpAxis,
 }
 
 impl TryFrom<Unchecked> for Environment {
@@ -85,7 +89,7 @@ impl TryFrom<Unchecked> for Environment {
 
     fn try_from(read: Unchecked) -> Result<Self, EnvironmentError> {
         let environment = Self::new(read.radiance, read.rotation_rad)?;
-        Ok(Self { is_in_parts: read.is_in_parts, ..environment })
+        Ok(Self { is_in_parts: read.is_in_parts, up: read.up, ..environment })
     }
 }
 
@@ -126,7 +130,18 @@ impl Environment {
             return Err(EnvironmentError::Rotation);
         }
         let mean = mean_over_directions(&radiance);
-        Ok(Self { radiance: Arc::new(radiance), rotation_rad, is_in_parts: false, mean })
+        let (radiance, up) = (Arc::new(radiance), UpAxis::Y);
+        Ok(Self { radiance, rotation_rad, is_in_parts: false, up, mean })
+    }
+
+    /// The same environment in a scene of which `up` points upwards: its upper edge lies there, its middle to the north.
+    pub fn with_up(self, up: UpAxis) -> Self {
+        Self { up, ..self }
+    }
+
+    /// Which axis of the scene its upper edge lies along.
+    pub fn up(&self) -> UpAxis {
+        self.up
     }
 
     /// The same environment, of which each pixel is a source of light of its own, whose brightness may be estimated.
@@ -172,7 +187,7 @@ impl Environment {
     /// Shows `radiance` if it is valid.
     fn change(&mut self, radiance: RgbImage) {
         if let Ok(changed) = Self::new(radiance, self.rotation_rad) {
-            *self = Self { is_in_parts: self.is_in_parts, ..changed };
+            *self = Self { is_in_parts: self.is_in_parts, up: self.up, ..changed };
         }
     }
 
@@ -181,7 +196,7 @@ impl Environment {
         &self.radiance
     }
 
-    /// How far the panorama is turned about world +y, counter-clockwise seen from above, radians.
+    /// How far the panorama is turned about the axis upwards, counter-clockwise seen from above, radians.
     pub fn rotation_rad(&self) -> f32 {
         self.rotation_rad
     }
@@ -194,6 +209,7 @@ impl Environment {
     /// The position of the unit vector `direction` in the panorama: from its left edge and from its
     /// top, in widths and heights of it, 0 to 1.
     pub fn place(&self, direction: Vec3) -> (f32, f32) {
+        let direction = self.up.to_y_up(direction);
         let heading = direction.x.atan2(-direction.z);
         let u = 0.5 + (heading + self.rotation_rad) / TAU;
         (u - u.floor(), direction.y.clamp(-1.0, 1.0).acos() * FRAC_1_PI)
@@ -204,19 +220,34 @@ impl Environment {
     pub fn direction(&self, u: f32, cos_polar: f32) -> Vec3 {
         let (sin, cos) = ((u - 0.5) * TAU - self.rotation_rad).sin_cos();
         let ring = ((1.0 - cos_polar) * (1.0 + cos_polar)).max(0.0).sqrt();
-        Vec3::new(ring * sin, cos_polar, -ring * cos)
+        self.up.from_y_up(Vec3::new(ring * sin, cos_polar, -ring * cos))
     }
 
     /// The radiance from the direction of the unit vector `direction`, bilinear between the pixels'
     /// centres; columns wrap around, rows end at the poles.
     pub fn radiance(&self, direction: Vec3) -> Rgb {
-        self.corners(direction).between(|pixel| self.radiance.pixels()[pixel])
+        self.radiance_at(self.place(direction))
+    }
+
+    /// The radiance at the place (u, v) of the panorama, in widths and heights of it from its upper left corner;
+    /// interpolated as [`Environment::radiance`] is.
+    pub fn radiance_at(&self, place: (f32, f32)) -> Rgb {
+        self.corners_at(place).between(|pixel| self.radiance.pixels()[pixel])
+    }
+
+    /// The radiance, W sr^-1 m^-2, if it is the same from everywhere.
+    pub fn uniform(&self) -> Option<Rgb> {
+        let (first, others) = self.radiance.pixels().split_first()?;
+        others.iter().all(|other| other == first).then_some(*first)
     }
 
     /// The pixels about the direction of the unit vector `direction`.
     pub fn corners(&self, direction: Vec3) -> Corners {
-        let (width, height) = (self.radiance.width(), self.radiance.height());
-        Corners::at(self.place(direction), width, height)
+        self.corners_at(self.place(direction))
+    }
+
+    fn corners_at(&self, place: (f32, f32)) -> Corners {
+        Corners::at(place, self.radiance.width(), self.radiance.height())
     }
 
     /// The cosine of the polar angle at `v` heights from the panorama's top.
@@ -311,6 +342,14 @@ mod tests {
                 shares.map(|(pixel, share)| environment.panorama().pixels()[*pixel] * share).sum();
             assert!((sum - environment.radiance(direction)).abs().max_element() < 1e-4);
         }
+    }
+
+    #[test]
+    fn it_is_uniform_if_all_pixels_are_alike() {
+        assert_eq!(numbered(0.0).uniform(), None);
+        let alike = RgbImage::new(2, 1, vec![Rgb::new(1.0, 2.0, 3.0); 2]);
+        let alike = Environment::new(alike, 0.4).unwrap();
+        assert_eq!(alike.uniform(), Some(Rgb::new(1.0, 2.0, 3.0)));
     }
 
     #[test]

@@ -24,6 +24,7 @@ pub mod points;
 pub mod reflectance;
 mod serial;
 pub mod sheet;
+pub mod up_axis;
 pub mod validate;
 
 pub use camera::Camera;
@@ -41,6 +42,7 @@ pub use picture::{Depth, Merged, Picture, Profile};
 pub use points::Pair;
 pub use reflectance::{Layering, Reflectance};
 pub use sheet::Sheet;
+pub use up_axis::UpAxis;
 pub use validate::{SceneError, Warnings};
 
 use glam::{DVec3, Vec3};
@@ -85,6 +87,9 @@ pub struct Scene {
     /// The origin of all positions here in the world of the scene's file, metres. It is zero except for scenes far from
     /// zero, whose positions would lose their digits in single precision.
     pub origin: DVec3,
+    /// Which axis points upwards. An [`Environment`] has its own, which is to be the same.
+    #[serde(default)]
+    pub up: UpAxis,
 }
 
 impl Scene {

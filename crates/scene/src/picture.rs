@@ -3,9 +3,10 @@
 
 use crate::{Image, Rgb};
 use glam::Mat3;
+use serde::{Deserialize, Serialize};
 
 /// How one channel of one pixel was stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Depth {
     /// An integer of 8 bits; the codes 0 to 255 became 0 to 1.
     Eight,
@@ -27,7 +28,7 @@ impl Depth {
 }
 
 /// A picture as its file has it, turned upright.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Picture {
     /// Code values: 0 to 1 in the file's own encoding for integer files, as stored (by custom
     /// linear) for floating-point files. All are finite.
@@ -47,7 +48,7 @@ pub struct Picture {
 }
 
 /// What is known of the linear values of a picture that was merged from a bracket of exposures.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Merged {
     /// The variance of every value, in squares of the picture's unit; finite and not negative.
     pub variance: Image<Rgb>,
@@ -96,7 +97,7 @@ impl Picture {
 }
 
 /// What a picture file declares of its colours.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Profile {
     /// Where it says so, for messages: `its ICC profile "Display P3"`.
     pub source: String,
@@ -104,6 +105,8 @@ pub struct Profile {
     pub srgb_from_file: Option<Mat3>,
     /// The linear values of the codes 0, 1/255, 2/255 ... 1, by channel, where the file states them.
     pub curves: Option<[Vec<f32>; 3]>,
-    /// False if there is a profile of a kind that is not understood; then the rest is empty.
+    /// False if there is a profile of a kind that is not understood; then primaries and curves are empty.
     pub understood: bool,
+    /// The ICC profile itself, if the file has one for codes of red, green and blue.
+    pub icc: Option<Vec<u8>>,
 }

@@ -3,9 +3,11 @@
 use crate::reflectance::{IOR_MAX, Reflectance};
 use crate::{Camera, Environment, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// Warnings for the user: doubtful but usable input, and what was assumed.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Warnings(pub Vec<String>);
 
 /// The most warnings: nobody reads more, and each new one is compared with all before. With half of
@@ -112,14 +114,14 @@ pub enum SceneError {
     NoGeometry,
     /// Nothing emits light.
     #[error(
-        "the scene has no light: give a material an emission (emissiveFactor), add a KHR_lights_punctual light or an environment"
+        "the scene has no light: give a material an emission (emissiveFactor), add a KHR_lights_punctual light, or bring a light or an environment along: [[lights]] or [environment] in a project or an edit, --environment"
     )]
     NoLight,
 }
 
 impl Scene {
     /// Checks all that renderings rely on ([`Scene::check`]) and that there is something to see,
-    /// removes triangles without area, and returns warnings.
+    /// removes triangles without area, gives objects without a name one, and returns warnings.
     ///
     /// # Errors
     /// Those of [`Scene::check`], and if triangles or lights are missing.
@@ -137,6 +139,7 @@ impl Scene {
     /// # Errors
     /// Those of [`Scene::check`], and if triangles are missing.
     pub fn validate_meshes(&mut self) -> Result<Warnings, SceneError> {
+        self.name_the_nameless();
         self.check()?;
         let (mut empty, mut turned) = (Found::default(), Found::default());
         for object in &mut self.objects {
@@ -200,6 +203,20 @@ impl Scene {
         self.groups.iter().try_for_each(check_material)?;
         self.lights.iter().try_for_each(check_light)?;
         self.cameras.iter().try_for_each(check_camera)
+    }
+
+    /// Gives objects without a name one by which messages and edits can say them: as of readers, "object" and its number from zero.
+    fn name_the_nameless(&mut self) {
+        let taken: BTreeSet<String> = self.objects.iter().map(|o| o.name.clone()).collect();
+        for (index, object) in self.objects.iter_mut().enumerate() {
+            if object.name.trim().is_empty() {
+                let mut name = format!("object {index}");
+                while taken.contains(&name) {
+                    name += "'";
+                }
+                object.name = name;
+            }
+        }
     }
 
     fn has_emitting_triangle(&self) -> bool {
@@ -396,6 +413,19 @@ mod tests {
             groups: vec![group],
             ..Scene::default()
         }
+    }
+
+    #[test]
+    fn objects_without_a_name_get_one_that_messages_can_say() {
+        let mut scene = lit_triangle();
+        let of = |name: &str| Object { name: name.into(), ..scene.objects[0].clone() };
+        scene.objects = vec![of("object 1"), of(""), of(" ")];
+        scene.validate().unwrap();
+        let names: Vec<&str> = scene.objects.iter().map(|object| object.name.as_str()).collect();
+        assert_eq!(names, ["object 1", "object 1'", "object 2"]);
+        scene.objects[2].name.clear();
+        scene.objects[2].group = 9;
+        assert!(scene.validate().unwrap_err().to_string().starts_with("object \"object 2\" is in"));
     }
 
     #[test]

@@ -34,8 +34,9 @@ fn main() -> Fallible<()> {
         }
         ["view", edits, truth, spp] => {
             let read = || EditSheet::read(Path::new(edits));
-            let recovered = Restaging::load(&[read()?])?;
-            let truth = Restaging::load(&[read()?, EditSheet::of_flag(Flag::Materials, truth)?])?;
+            let recovered = Restaging::load(vec![read()?])?;
+            let truth =
+                Restaging::load(vec![read()?, EditSheet::of_flag(Flag::Materials, truth)?])?;
             view(&recovered, &truth, &Settings { spp: spp.parse()?, ..Settings::default() })
         }
         _ => {

@@ -7,7 +7,7 @@ use unrender_formats::Limits;
 use unrender_scene::Scene;
 
 /// Flags of all subcommands.
-#[derive(Clone, Debug, clap::Args)]
+#[derive(Clone, Debug, Default, clap::Args)]
 pub struct Global {
     /// Show no progress messages; results, errors and warnings are still shown.
     #[arg(long, global = true)]

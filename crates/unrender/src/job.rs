@@ -5,6 +5,7 @@ use crate::project::{CameraChoice, Found, Photographed, Project, Taken};
 use crate::shot::Shot;
 use crate::{Error, clear_shapes, mask, photograph, same_as};
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 use unrender_formats::picture::{self, Orientation, Picture};
 use unrender_formats::{FileError, Input};
@@ -16,7 +17,7 @@ use unrender_scene::{Camera, Image, Rgb, Scene, Warnings};
 const ASPECT_TOLERANCE: f32 = 0.01;
 
 /// The checked input of a recovery.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Job {
     /// The scene in the project's light; known groups have their known materials, `brdf` is the
     /// project's.
@@ -266,9 +267,7 @@ fn without_measurement(path: &Path, noted: &Warnings) -> FileError {
 fn model(project: &Project, given: Option<Scene>, warnings: &mut Warnings) -> Result<Scene, Error> {
     let (scene, noted) = match given {
         Some(mut scene) => {
-            let noted = scene
-                .validate_meshes()
-                .map_err(|source| Error::Scene { path: project.scene.clone(), source })?;
+            let noted = validate_meshes(&mut scene, &project.scene)?;
             (scene, noted)
         }
         None => unrender_formats::load_model(project.scene_input())?,
@@ -293,6 +292,11 @@ fn folded_lens(camera: &Camera, width: usize, height: usize) -> Warnings {
 /// [`Scene::validate`] with the file's name in the error.
 pub(crate) fn validate(scene: &mut Scene, path: &Path) -> Result<Warnings, Error> {
     scene.validate().map_err(|source| Error::Scene { path: path.to_owned(), source })
+}
+
+/// [`Scene::validate_meshes`] with the file's name in the error.
+pub(crate) fn validate_meshes(scene: &mut Scene, path: &Path) -> Result<Warnings, Error> {
+    scene.validate_meshes().map_err(|source| Error::Scene { path: path.to_owned(), source })
 }
 
 /// The camera of the project's photograph, which is in memory unless it `is_file`.

@@ -113,6 +113,7 @@
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+mod as_json;
 mod bracket;
 pub mod check;
 mod clear_shapes;
@@ -174,12 +175,14 @@ mod same_as;
 pub mod score;
 #[cfg(feature = "cli")]
 mod shard;
+mod shell_word;
 mod shot;
 mod sketch;
 mod text_file;
 mod text_table;
 mod toml_values;
 mod unusable;
+mod up_axis;
 mod working_size;
 
 pub use error::Error;

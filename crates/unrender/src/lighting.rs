@@ -5,7 +5,7 @@
 
 use crate::toml_values::{Channels, Direction, Finite, NotNegative, Place, Positive, Size, Way};
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use unrender_formats::Input;
 use unrender_formats::{FileError, Limits, picture};
@@ -93,7 +93,7 @@ pub(crate) enum UnknownAs {
 }
 
 /// The environment that a file states.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum EnvironmentChoice {
     /// A panorama.
     Panorama {
@@ -229,6 +229,23 @@ impl RawEnvironment {
     /// Whether its brightness is unknown.
     pub(crate) fn is_unknown(&self) -> bool {
         self.unknown.is_some_and(|unknown| unknown != RawUnknown::Whether(false))
+    }
+
+    /// The environment that the table of an edit states, its panorama read; `place` makes a path absolute.
+    ///
+    /// # Errors
+    /// If it is unknown, its keys do not go together, or its panorama cannot be read.
+    pub(crate) fn stated(
+        &self,
+        place: &dyn Fn(&Path) -> PathBuf,
+        limits: Limits,
+    ) -> Result<(Option<Environment>, Warnings), String> {
+        if self.unknown.is_some() {
+            return Err(
+                "environment: unknown is a key of project files only; state the environment".into(),
+            );
+        }
+        self.choice(place)?.read(limits).map_err(|error| error.to_string())
     }
 
     /// The environment of the table; `place` makes a path absolute.

@@ -30,7 +30,8 @@ pub(crate) fn counts(mask: &Picture, photo: &Image<Rgb>) -> Result<Image<bool>, 
              at the photo's size"
         ));
     }
-    let mut counts = mask.values.map(|value| value.max_element() >= WHITE);
+    let white = least_white(mask);
+    let mut counts = mask.values.map(|value| value.max_element() >= white);
     // Pixels without a value, and transparent ones, are not white.
     mask.invalid.iter().for_each(|&index| counts.pixels_mut()[index] = false);
     if !counts.pixels().contains(&true) {
@@ -41,6 +42,15 @@ pub(crate) fn counts(mask: &Picture, photo: &Image<Rgb>) -> Result<Image<bool>, 
         );
     }
     Ok(counts)
+}
+
+/// The least value that is white: in an integer file whose codes are 0 and 1 alone, as programs write arrays of
+/// yes and no, the code 1.
+fn least_white(mask: &Picture) -> f32 {
+    let Some(max_code) = mask.depth.max_code() else { return WHITE };
+    let one = WHITE / max_code;
+    let greatest = mask.values.pixels().iter().map(|value| value.max_element()).fold(0.0, f32::max);
+    if (one..3.0 * one).contains(&greatest) { one } else { WHITE }
 }
 
 #[cfg(test)]
@@ -64,6 +74,21 @@ mod tests {
         assert!(
             counts(&Picture::new(red, Depth::Eight), &Image::new(1, 1, vec![Rgb::ONE])).is_ok()
         );
+    }
+
+    #[test]
+    fn codes_of_zero_and_one_are_black_and_white() {
+        let photo = Image::new(3, 1, vec![Rgb::ONE; 3]);
+        for (depth, white) in [(Depth::Eight, 255.0), (Depth::Sixteen, 65535.0)] {
+            let of = |codes: &[f32]| {
+                let values: Vec<_> = codes.iter().map(|code| code / white).collect();
+                counts(&Picture { depth, ..mask(&values) }, &photo)
+            };
+            assert_eq!(of(&[0.0, 1.0, 0.0]).unwrap().pixels(), [false, true, false]);
+            assert_eq!(of(&[0.0, 1.0, white]).unwrap().pixels(), [false, false, true]);
+            assert!(of(&[0.0, 1.0, 2.0]).unwrap_err().contains("black everywhere"));
+            assert!(of(&[0.0; 3]).unwrap_err().contains("black everywhere"));
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //! results, where `restage`, `check` and the next recovery find it.
 
 use crate::global::Global;
+use crate::shell_word::quoted;
 use crate::{Error, Project, proposed};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -45,8 +46,8 @@ impl OwnProject {
             let problem = format!(
                 "is another project than --scene and --photo make: `unrender recover {} --out {}` recovers it, or name \
                  another folder by --out",
-                path.display(),
-                out.display()
+                quoted(&path.to_string_lossy()),
+                quoted(&out.to_string_lossy())
             );
             return Err(FileError::new(&path, problem).into());
         }

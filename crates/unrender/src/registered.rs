@@ -1,13 +1,14 @@
 //! The model registered with the photograph.
 
 use crate::Job;
+use serde::{Deserialize, Serialize};
 use unrender_recover::{Observation, Picture};
 use unrender_register::Registration;
 use unrender_render::GeometryBuffers;
 use unrender_scene::{Camera, Image, Warnings};
 
 /// The registration of the model, and the camera that the recovery uses.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct RegisteredModel {
     /// That camera.
     pub(crate) camera: Camera,

@@ -2,6 +2,7 @@
 
 use crate::Job;
 use crate::project::Project;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use unrender_formats::picture::Picture;
 use unrender_photo::{Photo, Transfer};
@@ -9,7 +10,7 @@ use unrender_recover::Sheet;
 use unrender_scene::{Camera, Image, Rgb, RgbImage, Scene};
 
 /// A further photograph of a job, with the same data that [`Job`] has of the first.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Shot {
     /// The project with this photograph alone.
     pub project: Project,

@@ -16,6 +16,7 @@ mod storage;
 mod turned;
 
 use glam::{Affine3A, DAffine3, DMat3, DVec3};
+use serde::{Deserialize, Serialize};
 use unrender_scene::{Camera, Lens};
 
 pub use turned::{Pixels, turn};
@@ -29,7 +30,7 @@ pub(crate) fn tables() -> [crate::entry::Table; 2] {
 const RIGID: f64 = 1e-3;
 
 /// Focal lengths, principal point and distortion, in pixels of one size of the picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Intrinsics {
     /// The focal length in pixels across.
     pub fx: f64,
@@ -143,7 +144,8 @@ impl Intrinsics {
         if !(lens.is_valid() && fov_y_rad > 0.0) {
             return Err("its focal length or its distortion is far too large".into());
         }
-        Ok(Camera { name: name.to_owned(), world_from_camera, fov_y_rad, aspect, size: None, lens })
+        let (name, size, near) = (name.to_owned(), None, 0.0);
+        Ok(Camera { name, world_from_camera, fov_y_rad, aspect, size, lens, near })
     }
 
     fn check(&self) -> Result<(), String> {

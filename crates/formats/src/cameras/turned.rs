@@ -3,9 +3,10 @@
 use super::{Intrinsics, Pose, is_alike};
 use crate::picture::Orientation;
 use glam::{DMat3, DVec2, DVec3};
+use serde::{Deserialize, Serialize};
 
 /// The pixels of a photograph that its EXIF orientation turns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Pixels {
     /// As they are stored in the file.
     Stored,

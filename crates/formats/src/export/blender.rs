@@ -6,14 +6,16 @@
 //! grazing angles. An anisotropy `a` has `alpha_x = alpha (1 - a)` along the tangent and `alpha_y =
 //! alpha/(1 - a)`. [Blender manual, Principled BSDF and Glossy BSDF]
 
+use super::environment::{self, Around};
 use super::identifiers::identifiers;
 use super::{Files, SceneView, far, ply, tiling};
+use crate::near;
 use crate::numbers::{number, triple};
 use crate::texels;
 use glam::Mat4;
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_2;
-use unrender_scene::{Camera, LightKind, Material, Reflectance, Rgb, Warnings};
+use unrender_scene::{Camera, LightKind, Material, Reflectance, Rgb, Scene, Warnings};
 
 /// The program that builds the scene.
 const SCRIPT: &str = include_str!("blender/scene.py");
@@ -61,18 +63,33 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     }
     let lights: Vec<Value> =
         shot.scene.lights.iter().map(|light| light_json(&light.name, &light.kind)).collect();
+    let around = around(shot, &mut files)?;
     let others = shot.scene.cameras.iter().filter(|other| other.name != shot.camera.name);
-    let cameras: Vec<Value> = std::iter::once(shot.camera).chain(others).map(camera).collect();
+    let cameras: Vec<Value> =
+        std::iter::once(shot.camera).chain(others).map(|c| camera(shot.scene, c)).collect();
     let scene = json!({
         "size": [shot.size.0, shot.size.1],
         "cameras": cameras,
         "groups": groups,
         "objects": objects,
         "lights": lights,
+        "environment": around,
     });
     files.push(("scene.json".into(), format!("{scene:#}\n").into_bytes()));
     files.push(("scene.py".into(), SCRIPT.into()));
     Ok((files, warnings))
+}
+
+/// The light from all around, its panorama among `files`; null if there is none.
+fn around(shot: &SceneView, files: &mut Files) -> Result<Value, String> {
+    Ok(match environment::around(shot.scene) {
+        None => Value::Null,
+        Some(Around::Uniform(radiance)) => json!({ "radiance": triple(radiance) }),
+        Some(Around::Panorama(environment)) => {
+            files.push(environment::file(&environment::panorama(&environment))?);
+            json!({ "panorama": environment::FILE, "rotation": number(environment.rotation_rad()) })
+        }
+    })
 }
 
 fn group(
@@ -160,11 +177,12 @@ fn smoother(material: &Material) -> f32 {
     material.theta_rad + if material.alpha_x > material.alpha_y { FRAC_PI_2 } else { 0.0 }
 }
 
-fn camera(camera: &Camera) -> Value {
+fn camera(scene: &Scene, camera: &Camera) -> Value {
     let columns = Mat4::from(camera.world_from_camera).transpose().to_cols_array_2d();
     json!({
         "name": camera.name,
         "fov_y": number(camera.fov_y_rad),
+        "near": number(near::written(scene, camera)),
         "principal_point": camera.lens.principal_point.map(number),
         "world_from_camera": columns.map(|row| row.map(number)),
     })

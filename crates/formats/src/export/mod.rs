@@ -7,6 +7,7 @@
 
 mod anisotropy;
 mod blender;
+mod environment;
 mod far;
 mod folder;
 mod identifiers;
@@ -111,6 +112,14 @@ impl Target {
         }
     }
 
+    /// Whether an export holds the light from all around.
+    pub fn has_environments(self) -> bool {
+        match self {
+            Self::Blender | Self::Mitsuba | Self::Pbrt | Self::Radiance => true,
+            Self::Gltf | Self::Materialx => false,
+        }
+    }
+
     /// Whether an export has words for this reflectance of a lobe; else it has the free one that looks the same at normal
     /// incidence.
     pub fn keeps(self, reflectance: Reflectance) -> bool {
@@ -154,8 +163,8 @@ pub fn export(shot: &SceneView, target: Target) -> Result<(Files, Warnings), Str
         Target::Pbrt => pbrt::export(shot),
         Target::Radiance => radiance::export(shot),
     }?;
-    if shot.scene.environment.is_some() {
-        warnings.push("the scene has an environment, which is not exported: add it in the program");
+    if !target.has_environments() {
+        warnings.0.extend(environment::left_out(shot.scene, target));
     }
     Ok((files, warnings))
 }

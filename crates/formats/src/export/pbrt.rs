@@ -6,6 +6,9 @@
 //! The picture plane is given by `screenwindow` at a field of view of 90 degrees, where its units are
 //! tangents. [Pharr, Jakob, Humphreys: pbrt-v4 input file format]
 
+mod square;
+
+use super::environment::{self, Around};
 use super::identifiers::{identifiers, quoted};
 use super::{Files, SceneView, far, ply, tiling};
 use crate::texels;
@@ -39,6 +42,7 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
                 .push(format!("light \"{name}\" ({id}): PBRT's spots fall off by another curve"));
         }
     }
+    text.push_str(&infinite(shot, &mut files)?);
     let objects = identifiers("o_", shot.scene.objects.iter().map(|o| o.name.as_str()));
     for (object, id) in shot.scene.objects.iter().zip(&objects) {
         if !object.mesh.triangles.is_empty() {
@@ -163,6 +167,19 @@ fn light_source(kind: &LightKind) -> String {
             point("to", direction)
         ),
     }
+}
+
+/// The light from all around, its panorama among `files`.
+fn infinite(shot: &SceneView, files: &mut Files) -> Result<String, String> {
+    let radiance = match environment::around(shot.scene) {
+        None => return Ok(String::new()),
+        Some(Around::Uniform(radiance)) => rgb("L", radiance),
+        Some(Around::Panorama(environment)) => {
+            files.push(environment::file(&square::panorama(&environment))?);
+            format!("\"string filename\" \"{}\"", environment::FILE)
+        }
+    };
+    Ok(format!("\n# environment\nLightSource \"infinite\" {radiance}\n"))
 }
 
 fn shape(shot: &SceneView, object: &Object, path: &str, material: &str) -> String {

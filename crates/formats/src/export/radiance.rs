@@ -9,6 +9,7 @@
 //! Lamps that are balls are spheres (`balls`), flat triangles are polygons; smooth and textured objects are meshes, which `render.sh` compiles
 //! from OBJ files with `obj2mesh`.
 
+mod around;
 mod balls;
 mod lights;
 mod materials;
@@ -60,6 +61,7 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     let mut scene = format!("# A scene for Radiance, written by unrender. {}\n", view::HOW);
     scene.push_str("!xform ./materials.rad\n");
     scene.push_str(&lights::text(shot));
+    scene.push_str(&around::text(shot, &mut files)?);
     scene.push_str(&surfaces);
     files.extend(materials.files()?);
     files.push(("scene.rad".into(), scene.into_bytes()));

@@ -5,30 +5,31 @@ use super::glb::Glb;
 use super::names::group_names;
 use super::source::Source;
 use super::ward::{self, object};
-use super::{lights, material};
+use super::{lights, material, place};
 use crate::{FileError, Input};
 use serde_json::{Value, json};
-use unrender_scene::{Rgb, Scene, Warnings};
+use unrender_scene::{Camera, Rgb, Scene, Warnings};
 
 /// The bytes of a `.glb` with everything that is in the glTF file `source` (hierarchy, names,
 /// extras, animations), in which every material that is a group of `scene` gets that group's
 /// reflectance and emission, and the lights of `scene` are as bright as they are there, in
-/// the units of the file. Buffers and
-/// pictures beside the file are embedded.
+/// the units of the file. `added`, whose positions count from the origin of `scene`, are put into its
+/// default scene, if it has one; cameras of the same names are replaced. Buffers and pictures beside the file are embedded.
 ///
 /// # Errors
 /// If `source` cannot be read, or if the result would be larger than 4 GiB.
 pub fn assign_materials<'a>(
     source: impl Into<Input<'a>>,
     scene: &Scene,
+    added: &[Camera],
 ) -> Result<Vec<u8>, FileError> {
     let source = source.into();
     let fail = |problem| FileError::new(source.path, problem);
     let opened = Source::open(source).map_err(fail)?;
-    with_materials(&opened, scene).map_err(fail)
+    with_materials(&opened, scene, added).map_err(fail)
 }
 
-fn with_materials(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
+fn with_materials(source: &Source, scene: &Scene, added: &[Camera]) -> Result<Vec<u8>, Problem> {
     let mut glb = Glb::embedding(source);
     let names = group_names(&source.document, &mut Warnings::default());
     if let Some(name) = names.last().filter(|name| scene.group_index(name).is_some()) {
@@ -50,6 +51,9 @@ fn with_materials(source: &Source, scene: &Scene) -> Result<Vec<u8>, Problem> {
         }
     }
     lights::assign_lights(&mut glb, source, scene)?;
+    for camera in added {
+        place::put(&mut glb, source, camera, scene.origin)?;
+    }
     glb.finish()
 }
 

@@ -451,6 +451,8 @@ pub(super) struct Camera {
 #[serde(rename_all = "camelCase")]
 pub(super) struct Perspective {
     pub(super) yfov: f64,
+    #[serde(default)]
+    pub(super) znear: f64,
     pub(super) aspect_ratio: Option<f64>,
     #[serde(flatten)]
     pub(super) unread: Unread,

@@ -272,7 +272,7 @@ const ELEMENTS: &[Element] = &[
         &[
             read("yfov", COUNTED),
             read("aspectRatio", COUNTED),
-            passed("znear", "what is nearer is seen"),
+            read("znear", "what is nearer is not seen"),
             passed("zfar", "what is further away is seen"),
         ],
     ),

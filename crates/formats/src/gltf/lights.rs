@@ -185,7 +185,9 @@ pub(super) fn camera(
         format!("camera \"{name}\" is scaled to nothing or stands at no finite place; move it")
     })?;
     let (size, lens) = (None, Lens::default());
-    Ok(Some(Camera { name, world_from_camera, fov_y_rad, aspect, size, lens }))
+    let near = perspective.znear as f32;
+    let near = if near.is_finite() && near > 0.0 { near } else { 0.0 };
+    Ok(Some(Camera { name, world_from_camera, fov_y_rad, aspect, size, lens, near }))
 }
 
 /// The motion without scale and shear that keeps the camera's view direction and, nearly, its right

@@ -13,6 +13,10 @@ use glam::DVec3;
 use serde_json::json;
 use unrender_scene::Camera;
 
+/// The near clipping plane of a camera without one, metres: the format requires one. A reader that finds nothing before it
+/// passes over it; half of it serves as well, at double it may cut into scenes of a few centimetres.
+const NEAR: f32 = 1e-3;
+
 /// The bytes of a `.glb` with everything that is in the glTF file `source`, and `camera`, whose position counts
 /// from `origin`, in its
 /// default scene. A camera of the same name there is replaced. Distortion cannot be expressed.
@@ -31,7 +35,25 @@ pub fn place<'a>(
 }
 
 fn placed(source: &Source, camera: &Camera, origin: DVec3) -> Result<Vec<u8>, Problem> {
+    let mut glb = Glb::embedding(source);
+    if !put(&mut glb, source, camera, origin)? {
+        return Err("has no scene to place a camera in; export it again".into());
+    }
+    glb.finish()
+}
+
+/// Puts `camera` into the default scene of `glb`, which embeds `source`, as [`place`] does; false if it has no scene.
+pub(super) fn put(
+    glb: &mut Glb,
+    source: &Source,
+    camera: &Camera,
+    origin: DVec3,
+) -> Result<bool, Problem> {
     let document = &source.document;
+    let scene = glb.root["scene"].as_u64().unwrap_or(0) as usize;
+    if glb.root["scenes"].get(scene).is_none() {
+        return Ok(false);
+    }
     let mut former = None;
     for placed in placed_nodes(document)? {
         let held = document.nodes[placed.node].camera.and_then(|index| document.cameras.get(index));
@@ -40,13 +62,8 @@ fn placed(source: &Source, camera: &Camera, origin: DVec3) -> Result<Vec<u8>, Pr
             break;
         }
     }
-    let mut glb = Glb::embedding(source);
-    let node = camera_node(&mut glb, camera, origin);
-    let scene = glb.root["scene"].as_u64().unwrap_or(0) as usize;
-    if glb.root["scenes"].get(scene).is_none() {
-        return Err("has no scene to place a camera in; export it again".into());
-    }
-    let roots = glb.root["scenes"][scene]["nodes"].as_array().cloned().unwrap_or_default();
+    let near = if camera.near > 0.0 { camera.near } else { NEAR };
+    let node = camera_node(glb, (camera, near), origin);
     let stands_alone = |former: &Placed| {
         let node = &document.nodes[former.node];
         let holds_more = node.mesh.is_some() || node.extensions.punctual.is_some();
@@ -60,10 +77,11 @@ fn placed(source: &Source, camera: &Camera, origin: DVec3) -> Result<Vec<u8>, Pr
                 object(&mut glb.root["nodes"][former.node]).remove("camera");
             }
             let index = glb.push("nodes", node);
-            let mut roots = roots;
+            let roots = &glb.root["scenes"][scene]["nodes"];
+            let mut roots = roots.as_array().cloned().unwrap_or_default();
             roots.push(json!(index));
             glb.root["scenes"][scene]["nodes"] = json!(roots);
         }
     }
-    glb.finish()
+    Ok(true)
 }

@@ -1,7 +1,7 @@
 //! A glTF file to a scene.
 
 use super::graph::{Placed, placed_nodes};
-use super::names::{given, group_names, holder};
+use super::names::{ObjectNames, group_names, holder};
 use super::source::{Source, get};
 use super::{Problem, clear, geometry, lights, maps, material, tell, two_sided, units};
 use crate::{FileError, Input};
@@ -35,9 +35,11 @@ fn scene(source: &Source) -> Result<(Scene, Warnings), Problem> {
     tell::document(document, &mut warnings);
     let names = group_names(document, &mut warnings);
     let mut scene = Scene::default();
-    for mut placed in placed_nodes(document)? {
+    let placed = placed_nodes(document)?;
+    let objects = ObjectNames::of(document, &placed);
+    for mut placed in placed {
         placed.world_from_node.translation -= source.scope().origin();
-        read_node(source, &placed, &mut scene, &mut warnings)?;
+        read_node(source, (&placed, &objects), &mut scene, &mut warnings)?;
     }
     clear::leave_out(document, &names, &mut scene);
     scene.brdf = sort_into_groups(source, &names, &mut scene, &mut warnings)?;
@@ -49,7 +51,7 @@ fn scene(source: &Source) -> Result<(Scene, Warnings), Problem> {
 
 fn read_node(
     source: &Source,
-    placed: &Placed,
+    (placed, names): (&Placed, &ObjectNames<'_>),
     scene: &mut Scene,
     warnings: &mut Warnings,
 ) -> Result<(), Problem> {
@@ -61,7 +63,7 @@ fn read_node(
         warnings.push("Skins were ignored; their meshes stand as they were modelled.");
     }
     if node.mesh.is_some() {
-        scene.objects.extend(objects(source, placed, warnings)?);
+        scene.objects.extend(objects(source, (placed, names), warnings)?);
     }
     if let Some(index) = node.camera {
         let json = get(&document.cameras, index, "camera")?;
@@ -80,15 +82,14 @@ fn read_node(
 /// the number of materials for those without one.
 fn objects(
     source: &Source,
-    placed: &Placed,
+    (placed, names): (&Placed, &ObjectNames<'_>),
     warnings: &mut Warnings,
 ) -> Result<Vec<Object>, Problem> {
     let document = &source.document;
     let node = get(&document.nodes, placed.node, "node")?;
     let Some(mesh_index) = node.mesh else { return Ok(Vec::new()) };
     let json = get(&document.meshes, mesh_index, "mesh")?;
-    let name = given(node.name.as_ref()).or_else(|| given(json.name.as_ref()));
-    let name = name.map_or_else(|| format!("object {}", placed.node), str::to_owned);
+    let name = names.name(placed);
     let mut objects: Vec<Object> = Vec::new();
     // The object of a material, with uvs and tangents or without.
     let mut places: BTreeMap<(usize, bool, bool), usize> = BTreeMap::new();

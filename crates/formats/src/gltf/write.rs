@@ -6,6 +6,7 @@
 use super::glb::Glb;
 use super::{Problem, lights, material, units, ward};
 use crate::LightUnits;
+use crate::near;
 use crate::numbers::{number, triple};
 use glam::{Affine3A, DVec3, Mat3, Vec3};
 use serde_json::{Value, json};
@@ -65,7 +66,11 @@ fn build(scene: &Scene, shown: &[Material], units: LightUnits) -> Result<Vec<u8>
             nodes.push(glb.object_node(object, scene.origin)?);
         }
     }
-    nodes.extend(scene.cameras.iter().map(|camera| camera_node(&mut glb, camera, scene.origin)));
+    nodes.extend(
+        scene.cameras.iter().map(|camera| {
+            camera_node(&mut glb, (camera, near::written(scene, camera)), scene.origin)
+        }),
+    );
     nodes.extend(scene.lights.iter().map(|light| glb.light_node(light, scene.origin, units)));
     let indices: Vec<usize> = nodes.into_iter().map(|node| glb.push("nodes", node)).collect();
     // glTF forbids empty lists, this one as well.
@@ -184,8 +189,8 @@ impl Glb {
 }
 
 /// Lists `camera` in `glb` and returns a node that places it, its position counted from `origin`.
-pub(super) fn camera_node(glb: &mut Glb, camera: &Camera, origin: DVec3) -> Value {
-    let mut perspective = json!({ "yfov": number(camera.fov_y_rad), "znear": 0.01 });
+pub(super) fn camera_node(glb: &mut Glb, (camera, near): (&Camera, f32), origin: DVec3) -> Value {
+    let mut perspective = json!({ "yfov": number(camera.fov_y_rad), "znear": number(near) });
     if let Some(aspect) = camera.aspect {
         perspective["aspectRatio"] = json!(number(aspect));
     }

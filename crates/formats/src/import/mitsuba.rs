@@ -79,6 +79,7 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
         microfacets: Vec::new(),
         exact: None,
         told: Told::default(),
+        object_names: BTreeSet::new(),
     };
     reader.scene(&tree).map_err(fail)?;
     scope.complete().map_err(fail)?;
@@ -120,6 +121,8 @@ struct Reader<'a> {
     exact: Option<BrdfModel>,
     /// In what groups differ from their BSDFs.
     told: Told,
+    /// The names of the objects so far.
+    object_names: BTreeSet<String>,
 }
 
 /// What a BSDF is.
@@ -151,7 +154,7 @@ impl Reader<'_> {
             self.scene.cameras.extend(sensor::read(self.context, node)?);
         }
         for node in shapes {
-            self.shape(node, &DAffine3::IDENTITY)?;
+            self.shape(node, (&DAffine3::IDENTITY, None))?;
         }
         // Shapes refer to area emitters at the root.
         for node in root.children("emitter") {
@@ -241,8 +244,13 @@ impl Reader<'_> {
         })
     }
 
-    /// Adds the shape `node`, with `around` behind its own transform.
-    fn shape(&mut self, node: Node, around: &DAffine3) -> Result<(), String> {
+    /// Adds the shape `node`, with `around` behind its own transform; `instance` is that which shows it, if it is in a
+    /// group of shapes.
+    fn shape(
+        &mut self,
+        node: Node,
+        (around, instance): (&DAffine3, Option<Node>),
+    ) -> Result<(), String> {
         let scope = self.context.scope;
         scope.charge(SHAPE_BYTES).map_err(|problem| node.fail(problem))?;
         match node.kind() {
@@ -250,7 +258,7 @@ impl Reader<'_> {
             "shapegroup" => return Ok(()),
             "merge" => {
                 let mut inside = node.children("shape").into_iter();
-                return inside.try_for_each(|shape| self.shape(shape, around));
+                return inside.try_for_each(|shape| self.shape(shape, (around, instance)));
             }
             "instance" => {
                 let world = *around * node.motion("to_world")?;
@@ -258,7 +266,7 @@ impl Reader<'_> {
                 let group =
                     group.ok_or_else(|| node.fail("an instance has no shapegroup in it"))?;
                 let mut inside = group.children("shape").into_iter();
-                return inside.try_for_each(|shape| self.shape(shape, &world));
+                return inside.try_for_each(|shape| self.shape(shape, (&world, Some(node))));
             }
             _ => {}
         }
@@ -289,9 +297,23 @@ impl Reader<'_> {
             mesh.uvs.iter_mut().for_each(|uv| *uv = to_uv.transform_point2(*uv));
         }
         let surface = self.emitting(surface, emission.unwrap_or(Rgb::ZERO));
-        let name = node.shape_name();
+        let name = self.object_name(node, instance);
         self.surfaces[surface].objects.push(Object { name, group: 0, mesh });
         Ok(())
+    }
+
+    /// The name of the object of a shape. What instances repeat, or shapes without names of one file, is told apart
+    /// by the line: objects of one name can only be removed together.
+    fn object_name(&mut self, shape: Node, instance: Option<Node>) -> String {
+        let name = shape.shape_name();
+        if self.object_names.insert(name.clone()) {
+            return name;
+        }
+        match instance {
+            Some(instance) => format!("{name} ({})", instance.shape_name()),
+            None if shape.is_named() || shape.note().name.is_some() => name,
+            None => format!("{name} ({})", shape.at_line()),
+        }
     }
 
     /// The radiance of a shape that is a lamp.

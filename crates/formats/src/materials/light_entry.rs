@@ -69,7 +69,7 @@ pub(super) fn apply(
     let mut warnings = Warnings::default();
     for (name, entry) in lights {
         if let (ENVIRONMENT, Some(panorama)) = (name.as_str(), &entry.panorama) {
-            scene.environment = Some(panorama.environment()?);
+            scene.environment = Some(panorama.environment()?.with_up(scene.up));
             continue;
         }
         let found = scene.sources().filter(|source| source.name == name);

@@ -72,7 +72,7 @@ pub(super) fn profile(bytes: &[u8]) -> Option<Profile> {
             let end = at.checked_add(u32_at(bytes, HEADER + 116)? as usize)?;
             Some(icc::profile(bytes.get(at..end)?))
         }
-        b"KNIL" => Some(icc::not_understood("an ICC profile in another file".into())),
+        b"KNIL" => Some(of_primaries(None, "an ICC profile in another file")),
         // Many programs announce primaries of its own and then state none.
         [0, 0, 0, 0] if bytes.get(HEADER + 60..HEADER + 96)?.iter().any(|byte| *byte != 0) => {
             Some(of_primaries(None, "primaries of its own in its header"))

@@ -16,7 +16,7 @@ const C: [f32; 2] = [0.310, 0.316];
 /// sentence about the file.
 pub(super) fn profile(data: &[u8]) -> Result<Profile, String> {
     let &[primaries, transfer, matrix_code, range] = data else {
-        return Ok(not_understood("a chunk cICP that has no four bytes".into()));
+        return Ok(of_primaries(None, "a chunk cICP that has no four bytes"));
     };
     let source = format!("its chunk cICP ({})", name(primaries, transfer));
     match transfer {
@@ -32,10 +32,10 @@ pub(super) fn profile(data: &[u8]) -> Result<Profile, String> {
         );
     }
     let (Some(corners), Some(curve)) = (corners(primaries), curve(transfer)) else {
-        return Ok(not_understood(source));
+        return Ok(of_primaries(None, &source));
     };
     if matrix_code != 0 {
-        return Ok(not_understood(source));
+        return Ok(of_primaries(None, &source));
     }
     let curve = sampled(curve);
     let curves = Some([curve.clone(), curve.clone(), curve]);
@@ -47,10 +47,6 @@ fn refused(curve: &str) -> String {
         "is encoded for screens by {curve} (its chunk cICP), which is not read; save it as a \
          linear EXR"
     )
-}
-
-fn not_understood(source: String) -> Profile {
-    Profile { source, srgb_from_file: None, curves: None, understood: false }
 }
 
 fn name(primaries: u8, transfer: u8) -> String {

@@ -22,5 +22,7 @@ pub fn write_denoised(path: &Path, picture: &RgbImage) -> Result<usize, FileErro
     if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("exr")) {
         return write(path, picture);
     }
-    one_layer::write(path, &[(String::new(), picture)], (ATTRIBUTE, AttributeValue::I32(1)))
+    one_layer::write(path, &[(String::new(), picture)], |_, own| {
+        own.other.insert(ATTRIBUTE.into(), AttributeValue::I32(1));
+    })
 }

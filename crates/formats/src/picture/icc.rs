@@ -1,49 +1,96 @@
 //! ICC profiles: those of three primaries and three curves, or of one curve for grey.
 
 use super::curves::sampled;
-use super::primaries::other;
-use glam::Mat3;
-use moxcms::{ColorProfile, DataColorSpace, ToneReprCurve};
+use super::primaries::{of_primaries, other};
+use glam::{DMat3, DVec3, Mat3};
+use moxcms::{ColorProfile, DataColorSpace, LocalizableString, ProfileText, ToneReprCurve, Xyzd};
+use std::ops::Range;
 use unrender_scene::Profile;
+
+/// Where the header of a profile has the time of its creation.
+const CREATED: Range<usize> = 24..36;
 
 /// What the ICC profile `icc` says.
 pub(super) fn profile(icc: &[u8]) -> Profile {
     let Ok(profile) = ColorProfile::new_from_slice(icc) else {
-        return not_understood("an ICC profile that cannot be read".to_owned());
+        return of_primaries(None, "an ICC profile that cannot be read");
     };
     let name = profile.description.as_ref().map(|text| match text {
-        moxcms::ProfileText::PlainString(text) => text.clone(),
-        moxcms::ProfileText::Localizable(texts) => {
+        ProfileText::PlainString(text) => text.clone(),
+        ProfileText::Localizable(texts) => {
             texts.first().map_or(String::new(), |text| text.value.clone())
         }
-        moxcms::ProfileText::Description(text) => text.ascii_string.clone(),
+        ProfileText::Description(text) => text.ascii_string.clone(),
     });
     let name = name.unwrap_or_default();
-    of_profile(&profile, format!("its ICC profile \"{}\"", name.trim_matches(['\0', ' '])))
+    let source = format!("its ICC profile \"{}\"", name.trim_matches(['\0', ' ']));
+    let own = (profile.color_space == DataColorSpace::Rgb).then(|| icc.to_vec());
+    Profile { icc: own, ..of_profile(&profile, &source) }
+}
+
+/// The ICC profile called `name` of codes whose linear values are `linear`, by channel, with these primaries. Linear
+/// values beyond 0 to 1 are clipped.
+///
+/// # Errors
+/// If it cannot be encoded.
+pub fn icc_profile(
+    name: &str,
+    linear: impl Fn(usize, f32) -> f32,
+    srgb_from_file: Option<Mat3>,
+) -> Result<Vec<u8>, String> {
+    let mut profile = ColorProfile::new_srgb();
+    profile.cicp = None;
+    profile.description = Some(ProfileText::Localizable(vec![LocalizableString::new(
+        "en".to_owned(),
+        "US".to_owned(),
+        name.to_owned(),
+    )]));
+    let word = |value: f32| (65_535.0 * value.clamp(0.0, 1.0)).round() as u16;
+    let curve = |channel| {
+        let samples = sampled(|code| linear(channel, code));
+        Some(ToneReprCurve::Lut(samples.into_iter().map(word).collect()))
+    };
+    (profile.red_trc, profile.green_trc, profile.blue_trc) = (curve(0), curve(1), curve(2));
+    if let Some(matrix) = srgb_from_file {
+        let own = &mut profile;
+        let colorants = [&mut own.red_colorant, &mut own.green_colorant, &mut own.blue_colorant];
+        let [red, green, blue] = colorants.each_ref().map(|xyz| DVec3::new(xyz.x, xyz.y, xyz.z));
+        let columns = DMat3::from_cols(red, green, blue) * matrix.as_dmat3();
+        for (colorant, [x, y, z]) in colorants.into_iter().zip(columns.to_cols_array_2d()) {
+            *colorant = Xyzd { x, y, z };
+        }
+    }
+    let encoded = profile.encode();
+    let mut bytes =
+        encoded.map_err(|error| format!("its ICC profile cannot be encoded: {error}"))?;
+    // The same input has the same bytes, so without the time.
+    bytes.get_mut(CREATED).into_iter().for_each(|time| time.fill(0));
+    Ok(bytes)
 }
 
 /// The profile of Adobe RGB, which `source` declares.
 pub(super) fn adobe_rgb(source: &str) -> Profile {
-    of_profile(&ColorProfile::new_adobe_rgb(), source.to_owned())
+    of_profile(&ColorProfile::new_adobe_rgb(), source)
 }
 
-/// A profile of a kind that is not understood.
-pub(super) fn not_understood(source: String) -> Profile {
-    Profile { source, srgb_from_file: None, curves: None, understood: false }
-}
-
-fn of_profile(profile: &ColorProfile, source: String) -> Profile {
+fn of_profile(profile: &ColorProfile, source: &str) -> Profile {
     let curves = match profile.color_space {
         DataColorSpace::Gray => [&profile.gray_trc; 3],
         _ => [&profile.red_trc, &profile.green_trc, &profile.blue_trc],
     };
     let [Some(red), Some(green), Some(blue)] = curves.map(|curve| curve.as_ref().and_then(values))
     else {
-        return not_understood(source);
+        return of_primaries(None, source);
     };
     let grey = profile.color_space == DataColorSpace::Gray;
     let srgb_from_file = if grey { None } else { other_primaries(profile) };
-    Profile { source, srgb_from_file, curves: Some([red, green, blue]), understood: true }
+    Profile {
+        source: source.to_owned(),
+        srgb_from_file,
+        curves: Some([red, green, blue]),
+        understood: true,
+        icc: None,
+    }
 }
 
 fn values(curve: &ToneReprCurve) -> Option<Vec<f32>> {
@@ -98,5 +145,35 @@ mod tests {
         let srgb = profile(&ColorProfile::new_srgb().encode().unwrap());
         assert!(srgb.understood && srgb.srgb_from_file.is_none());
         assert!(!profile(b"no profile").understood);
+    }
+
+    #[test]
+    fn a_profile_that_was_made_says_what_it_was_made_of() {
+        let published = Mat3::from_cols_array_2d(&SRGB_FROM_P3).transpose();
+        // Dark codes have no light, or so little that 16 bits round it to nothing.
+        let gammas = [1.0, 1.8, 2.6];
+        let linear =
+            |channel: usize, code: f32| ((code - 0.1) / 0.9).max(0.0).powf(gammas[channel]);
+        let icc = icc_profile("A camera", linear, Some(published)).unwrap();
+        let read = profile(&icc);
+        assert!(read.understood && read.source.contains("A camera"), "{}", read.source);
+        assert_eq!(read.icc, Some(icc));
+        assert!(read.srgb_from_file.unwrap().abs_diff_eq(published, 1e-3));
+        for (channel, curve) in read.curves.unwrap().iter().enumerate() {
+            assert!(curve.windows(2).all(|w| w[0] < w[1]), "curve {channel} grows");
+            let off = |k: usize| (curve[k] - linear(channel, k as f32 / 255.0)).abs();
+            assert!((0..256).all(|k| off(k) < 2e-5), "{channel}");
+        }
+        let plain = icc_profile("sRGB", |_, code| code, None).unwrap();
+        assert!(profile(&plain).srgb_from_file.is_none());
+    }
+
+    #[test]
+    fn profiles_of_grey_and_of_inks_are_not_for_three_colours() {
+        let grey = profile(&ColorProfile::new_gray_with_gamma(2.2).encode().unwrap());
+        assert!(grey.understood && grey.icc.is_none());
+        let mut inks = ColorProfile::new_srgb();
+        inks.color_space = DataColorSpace::Cmyk;
+        assert_eq!(profile(&inks.encode().unwrap()).icc, None);
     }
 }

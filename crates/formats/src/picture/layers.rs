@@ -51,7 +51,9 @@ pub fn write_layers(
     let of_lights = named().map(|(prefix, layer)| (format!("{prefix}."), &layer.radiance));
     let pictures: Vec<(String, &RgbImage)> =
         std::iter::once((String::new(), picture)).chain(of_lights).collect();
-    one_layer::write(path, &pictures, (ATTRIBUTE, AttributeValue::Text(text.as_str().into())))
+    one_layer::write(path, &pictures, |_, own| {
+        own.other.insert(ATTRIBUTE.into(), AttributeValue::Text(text.as_str().into()));
+    })
 }
 
 /// The prefixes of the channels of each layer.

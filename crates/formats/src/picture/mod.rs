@@ -18,8 +18,10 @@ mod exr_picture;
 mod exr_refused;
 mod exr_says;
 mod hdr_header;
+mod hdr_resolution;
 mod icc;
 mod jpeg;
+mod kind;
 mod layers;
 mod merged;
 mod one_layer;
@@ -44,6 +46,7 @@ pub use embed::{jpeg_bytes, png_bytes};
 pub use exif::{ExifExposure, exif_focal_px, exposure_of};
 pub(crate) use exr_refused::fault as exr_fault;
 pub(crate) use hdr_header::read as hdr_header_of;
+pub use icc::icc_profile;
 pub use layers::{LightLayer, read_layers, write_layers};
 pub use merged::write_merged;
 pub use orientation::{Orientation, Stored, stored, stored_in};
@@ -54,7 +57,9 @@ pub(crate) use read::read_in;
 pub use read::{decode, read};
 pub(crate) use tables::tables;
 pub use unrender_scene::{Depth, Merged, Picture, Profile};
-pub use write::{write, write_exr, write_hdr, write_png_codes, write_png_srgb};
+pub use write::{
+    write, write_exr, write_exr_as, write_hdr, write_png_as, write_png_codes, write_png_srgb,
+};
 
 /// A picture, with notes for the user, as ends of sentences about its file.
 struct Decoded {

@@ -1,7 +1,7 @@
-//! An EXR of one layer: channels by their names, and an attribute of ours.
+//! An EXR of one layer: channels by their names, and attributes.
 
 use crate::{FileError, atomic};
-use exr::meta::attribute::AttributeValue;
+use exr::meta::header::ImageAttributes;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
     WritableImage,
@@ -11,14 +11,15 @@ use std::path::Path;
 use unrender_scene::{Rgb, RgbImage};
 
 /// Writes `pictures` of one size as channels of 32-bit floats: each as R, G and B after its prefix.
-/// Values that are not finite become zero. Returns how many values of the first picture were not.
+/// Values that are not finite become zero; `declare` sets the attributes of picture and layer. Returns how many values of
+/// the first picture were not.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub(super) fn write(
     path: &Path,
     pictures: &[(String, &RgbImage)],
-    (name, attribute): (&str, AttributeValue),
+    declare: impl FnOnce(&mut ImageAttributes, &mut LayerAttributes),
 ) -> Result<usize, FileError> {
     let Some((_, first)) = pictures.first() else { return Ok(0) };
     let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = SmallVec::new();
@@ -29,12 +30,13 @@ pub(super) fn write(
             channels.push(AnyChannel::new(format!("{prefix}{colour}").as_str(), samples));
         }
     }
-    let mut attributes = LayerAttributes::default();
-    attributes.other.insert(name.into(), attribute);
     let size = (first.width(), first.height());
-    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    let (attributes, encoding) = (LayerAttributes::default(), Encoding::SMALL_LOSSLESS);
+    let layer = Layer::new(size, attributes, encoding, AnyChannels::sort(channels));
+    let mut image = Image::from_layer(layer);
+    declare(&mut image.attributes, &mut image.layer_data.attributes);
     let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer)
+    image
         .write()
         .to_buffered(&mut bytes)
         .map_err(|error| FileError::new(path, format!("cannot be encoded: {error}")))?;

@@ -1,12 +1,14 @@
 //! How the pixels that a file stores are turned to stand upright: the orientation of EXIF.
 
-use super::read::format_of;
+use super::hdr_resolution;
+use super::kind::format_of;
 use crate::{FileError, Input, input};
 use glam::{DMat2, DVec2};
-use image::{ImageDecoder, ImageReader};
+use image::{ImageDecoder, ImageFormat, ImageReader};
 use std::io::Cursor;
+use unrender_scene::Image;
 
-/// One of the eight orientations of EXIF. [`read`](super::read()) turns what it reads by it.
+/// One of the eight orientations of EXIF, which Radiance pictures have as well. [`read`](super::read()) turns what it reads by it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Orientation(u8);
 
@@ -38,6 +40,27 @@ impl Orientation {
     #[must_use]
     pub fn mirrored_back(self) -> Self {
         Self([0, 2, 1, 4, 3, 6, 5, 8, 7][usize::from(self.0)])
+    }
+
+    /// `stored`, turned to stand upright.
+    pub(super) fn upright<T: Copy>(self, stored: &Image<T>) -> Image<T> {
+        let (width, height) = (stored.width(), stored.height());
+        let size = if self.swaps_sides() { (height, width) } else { (width, height) };
+        Image::from_fn(size.0, size.1, |x, y| {
+            // Steps from the left and the right, from the top and the bottom.
+            let ([left, right], [top, bottom]) = ([x, size.0 - 1 - x], [y, size.1 - 1 - y]);
+            let (column, row) = match self.0 {
+                2 => (right, top),
+                3 => (right, bottom),
+                4 => (left, bottom),
+                5 => (top, left),
+                6 => (top, right),
+                7 => (bottom, right),
+                8 => (bottom, left),
+                _ => (left, top),
+            };
+            *stored.at(column, row)
+        })
     }
 
     /// The matrix that it applies to a step of pixels (right, down).
@@ -79,8 +102,15 @@ pub fn stored<'a>(input: impl Into<Input<'a>>) -> Result<Option<Stored>, FileErr
 
 /// As [`stored`], from the bytes of a file.
 pub fn stored_in(bytes: &[u8]) -> Option<Stored> {
-    let reader = ImageReader::with_format(Cursor::new(bytes), format_of(bytes)?);
-    let mut decoder = reader.into_decoder().ok()?;
+    let format = format_of(bytes)?;
+    if format == ImageFormat::Hdr {
+        let (rows, number) = hdr_resolution::as_rows(bytes).ok()?;
+        let orientation = Orientation::from_exif(number)?;
+        let decoder = ImageReader::with_format(Cursor::new(rows), format).into_decoder().ok()?;
+        let (width, height) = decoder.dimensions();
+        return Some(Stored { orientation, size: (width as usize, height as usize) });
+    }
+    let mut decoder = ImageReader::with_format(Cursor::new(bytes), format).into_decoder().ok()?;
     let (width, height) = decoder.dimensions();
     let number = decoder.orientation().ok()?.to_exif();
     let orientation = Orientation::from_exif(number).unwrap_or(Orientation::UPRIGHT);

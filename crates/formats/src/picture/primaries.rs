@@ -23,7 +23,15 @@ pub(super) fn of_primaries(matrix: Option<Mat3>, source: &str) -> Profile {
         srgb_from_file: matrix.and_then(other),
         curves: None,
         understood,
+        icc: None,
     }
+}
+
+/// The primaries of linear values whose matrix to linear sRGB is `srgb_from_file`, with the white of sRGB.
+pub(super) fn corners(srgb_from_file: Mat3) -> Option<Corners> {
+    let xyz = xyz_from(SRGB)? * srgb_from_file.as_dmat3();
+    let place = |xyz: DVec3| [xyz.x, xyz.y].map(|v| (v / (xyz.x + xyz.y + xyz.z)) as f32);
+    Some([xyz.x_axis, xyz.y_axis, xyz.z_axis, xyz * DVec3::ONE].map(place))
 }
 
 /// Linear sRGB from linear values of these primaries, white to white; none if they span no colours.
@@ -67,6 +75,8 @@ mod tests {
         assert!((xyz * Vec3::ONE).abs_diff_eq(Vec3::ONE, 1e-4), "{xyz}");
         let aces = matrix([[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.077], [0.32168, 0.33767]]);
         assert!((aces.unwrap().x_axis.x - 2.5217).abs() < 5e-3, "{aces:?}");
+        let back = corners(xyz).and_then(matrix).unwrap();
+        assert!(back.abs_diff_eq(xyz, 1e-4), "{back} for {xyz}");
         assert!(matrix([[0.3, 0.3]; 4]).is_none() && matrix([[f32::NAN; 2]; 4]).is_none());
     }
 }

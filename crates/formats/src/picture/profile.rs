@@ -7,7 +7,7 @@
 use super::curves::sampled;
 use super::exif::is_adobe_rgb;
 use super::primaries::{matrix, of_primaries};
-use super::tiff::{Directory, Tiff};
+use super::tiff::{self, Directory, Tiff};
 use super::{bmp, cicp, icc, png_chunks, tiff_says};
 use glam::Mat3;
 use image::ImageFormat;
@@ -34,7 +34,9 @@ pub(super) fn of(
     {
         return cicp::profile(data).map(Some);
     }
-    if let Some(icc) = icc {
+    // The decoder of TIFF passes over profiles that are not small beside the pixels.
+    let of_page = tiff.and_then(|(tiff, page)| tiff.bytes(page, tiff::tag::ICC_PROFILE));
+    if let Some(icc) = of_page.or(icc) {
         return Ok(Some(icc::profile(icc)));
     }
     let stated = tiff.and_then(|(tiff, page)| tiff_says::profile(tiff, page));

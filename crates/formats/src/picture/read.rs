@@ -1,9 +1,11 @@
 //! Reads a picture file into code values.
 
+use super::kind::format_of;
 use super::tiff::{Directory, Tiff};
 use super::{
-    Decoded, Picture, bmp, budget, claims, codes, coverage, exr_picture, hdr_header, jpeg, merged,
-    pixel_shape, png_chunks, primaries, profile, raw, tiff_page, tiff_says,
+    Decoded, Orientation, Picture, bmp, budget, claims, codes, coverage, exr_picture, hdr_header,
+    hdr_resolution, jpeg, merged, pixel_shape, png_chunks, primaries, profile, raw, tiff_page,
+    tiff_says,
 };
 use crate::FileError;
 use crate::input::{Input, Scope};
@@ -126,7 +128,17 @@ fn plain_jpeg(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
 /// Radiance's header states the factor by which the picture was multiplied, and its primaries.
 fn hdr(scope: &Scope, bytes: &[u8]) -> Result<Decoded, String> {
     let header = hdr_header::read(bytes)?;
-    let mut decoded = plain(scope, bytes, ImageFormat::Hdr, None)?;
+    let (rows, number) = hdr_resolution::as_rows(bytes)?;
+    let orientation = Orientation::from_exif(number).unwrap_or(Orientation::UPRIGHT);
+    if let Cow::Owned(rows) = &rows {
+        scope.charge(rows.len() as u64)?;
+    }
+    let mut decoded = plain(scope, &rows, ImageFormat::Hdr, None)?;
+    if orientation != Orientation::UPRIGHT {
+        let values = &mut decoded.picture.values;
+        scope.charge(values.pixels().len() as u64 * size_of::<Rgb>() as u64)?;
+        *values = orientation.upright(values);
+    }
     if header.factor != [1.0; 3] {
         let factor = Rgb::from_array(header.factor);
         decoded.picture.values.pixels_mut().iter_mut().for_each(|value| *value /= factor);
@@ -194,22 +206,6 @@ fn put_merged(scope: &Scope, picture: &mut Picture, bytes: &[u8]) -> Result<(), 
 /// Whether a file that begins with `bytes` is a picture, also of a format that is not read.
 pub(crate) fn is_picture(bytes: &[u8]) -> bool {
     image::guess_format(bytes).is_ok() || raw::of_beginning(bytes).or(raw::other(bytes)).is_some()
-}
-
-/// The format of the bytes, if it is one that is read.
-pub(super) fn format_of(bytes: &[u8]) -> Option<ImageFormat> {
-    if Tiff::of(bytes).is_some() {
-        return Some(ImageFormat::Tiff);
-    }
-    let format = image::guess_format(bytes).ok()?;
-    let read = [
-        ImageFormat::Png,
-        ImageFormat::Jpeg,
-        ImageFormat::Bmp,
-        ImageFormat::OpenExr,
-        ImageFormat::Hdr,
-    ];
-    read.contains(&format).then_some(format)
 }
 
 /// The decoded and upright pixels and the ICC profile, or what is wrong with the file.

@@ -27,6 +27,7 @@ pub(super) mod tag {
     pub(in super::super) const SUB_IFDS: u16 = 330;
     pub(in super::super) const EXTRA_SAMPLES: u16 = 338;
     pub(in super::super) const SAMPLE_FORMAT: u16 = 339;
+    pub(in super::super) const ICC_PROFILE: u16 = 34_675;
     pub(in super::super) const CFA_DIMENSIONS: u16 = 33_421;
     pub(in super::super) const CFA_PATTERN: u16 = 33_422;
     pub(in super::super) const NO_DATA: u16 = 42_113;
@@ -146,6 +147,12 @@ impl<'a> Tiff<'a> {
     /// The first number of the field, as a whole one.
     pub(super) fn code(&self, directory: &Directory, tag: u16) -> Option<u64> {
         self.number(directory, tag, 0).map(|number| number as u64)
+    }
+
+    /// The bytes of the field.
+    pub(super) fn bytes(&self, directory: &Directory, tag: u16) -> Option<&[u8]> {
+        let field = directory.field(tag)?;
+        self.bytes.get(field.at..field.at + field.count * SIZES[usize::from(field.kind)])
     }
 
     /// The text of the field, up to the first zero.

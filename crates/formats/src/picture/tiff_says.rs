@@ -1,6 +1,6 @@
 //! What the tags of a TIFF page say of its numbers: kind, coverage, missing values, colours.
 
-use super::curves::SAMPLES;
+use super::curves::{DARKEST_STEP, SAMPLES};
 use super::primaries::{Corners, matrix, of_primaries};
 use super::tiff::{Directory, Tiff, tag};
 use unrender_scene::Profile;
@@ -9,9 +9,6 @@ use unrender_scene::Profile;
 const D65: [f32; 2] = [0.3127, 0.3290];
 /// The primaries of sRGB, for files that state a white alone.
 const SRGB: [f32; 6] = [0.64, 0.33, 0.30, 0.60, 0.15, 0.06];
-
-/// Added from code to code, so that curves grow: in all a thousandth of a step of 16 bits.
-const DARKEST_STEP: f64 = 1e-10;
 
 /// The error of a kind of numbers that is not read, as the end of a sentence about the file.
 pub(super) fn unread(tiff: &Tiff<'_>, page: &Directory) -> Option<String> {

@@ -3,8 +3,12 @@
 //! Values that are not finite become zero in the file and are counted, so that one pixel does not
 //! spoil a long rendering.
 
-use super::Depth;
+use super::primaries::corners;
+use super::{Depth, one_layer};
 use crate::{FileError, atomic};
+use exr::meta::attribute::Chromaticities;
+use exr::prelude::Vec2;
+use glam::Mat3;
 use image::codecs::hdr::HdrEncoder;
 use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;
@@ -66,23 +70,37 @@ pub fn write_png_srgb(path: &Path, picture: &RgbImage) -> Result<usize, FileErro
 /// # Errors
 /// If the file cannot be written.
 pub fn write_png_codes(path: &Path, codes: &RgbImage, depth: Depth) -> Result<usize, FileError> {
+    write_png_as(path, codes, depth, None)
+}
+
+/// As [`write_png_codes`], with the ICC profile of the codes, unless they are those of sRGB.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_png_as(
+    path: &Path,
+    codes: &RgbImage,
+    depth: Depth,
+    icc: Option<&[u8]>,
+) -> Result<usize, FileError> {
     let (values, bad) = finite_values(codes);
     let code = |value: f32, max: f32| (max * value.clamp(0.0, 1.0)).round();
-    match depth {
+    let (bytes, kind): (Vec<u8>, _) = match depth {
         Depth::Eight => {
-            let bytes: Vec<u8> = values.iter().map(|&v| code(v, 255.0) as u8).collect();
-            encode(path, codes, |out, width, height| {
-                PngEncoder::new(out).write_image(&bytes, width, height, ExtendedColorType::Rgb8)
-            })?;
+            (values.iter().map(|&v| code(v, 255.0) as u8).collect(), ExtendedColorType::Rgb8)
         }
         Depth::Sixteen | Depth::Float => {
             let words = values.iter().map(|&v| code(v, 65535.0) as u16);
-            let bytes: Vec<u8> = words.flat_map(u16::to_ne_bytes).collect();
-            encode(path, codes, |out, width, height| {
-                PngEncoder::new(out).write_image(&bytes, width, height, ExtendedColorType::Rgb16)
-            })?;
+            (words.flat_map(u16::to_ne_bytes).collect(), ExtendedColorType::Rgb16)
         }
-    }
+    };
+    encode(path, codes, |out, width, height| {
+        let mut encoder = PngEncoder::new(out);
+        if let Some(icc) = icc {
+            encoder.set_icc_profile(icc.to_vec()).map_err(image::ImageError::Unsupported)?;
+        }
+        encoder.write_image(&bytes, width, height, kind)
+    })?;
     Ok(bad)
 }
 
@@ -97,6 +115,22 @@ pub fn write_exr(path: &Path, picture: &RgbImage) -> Result<usize, FileError> {
         OpenExrEncoder::new(out).write_image(&bytes, width, height, ExtendedColorType::Rgb32F)
     })?;
     Ok(bad)
+}
+
+/// As [`write_exr`], of linear values whose matrix to those of sRGB is `srgb_from_file`; none for sRGB.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_exr_as(
+    path: &Path,
+    values: &RgbImage,
+    srgb_from_file: Option<Mat3>,
+) -> Result<usize, FileError> {
+    let Some(corners) = srgb_from_file.and_then(corners) else { return write_exr(path, values) };
+    let [red, green, blue, white] = corners.map(|[x, y]| Vec2(x, y));
+    one_layer::write(path, &[(String::new(), values)], |shared, _| {
+        shared.chromaticities = Some(Chromaticities { red, green, blue, white });
+    })
 }
 
 /// Writes `picture` as a Radiance HDR (8 bits and a common exponent a pixel, no negative values);

@@ -31,7 +31,7 @@ fn files_that_are_no_scenes() {
     refused("a.obj", "", &["no triangles"]);
     let missing = load_scene("nowhere/a.glb").unwrap_err().to_string();
     assert_eq!(missing, "nowhere/a.glb: does not exist");
-    assert!(assign_materials("nowhere/a.glb", &unrender_scene::Scene::default()).is_err());
+    assert!(assign_materials("nowhere/a.glb", &unrender_scene::Scene::default(), &[]).is_err());
 }
 
 #[test]
@@ -228,7 +228,7 @@ fn damaged_files_never_panic() {
         let path = folder.file("a.glb", damaged(&glb, &mut numbers));
         if let Ok((scene, _)) = load_scene(&path) {
             // A file that can be read can be given materials.
-            assign_materials(&path, &scene).unwrap();
+            assign_materials(&path, &scene, &[]).unwrap();
         }
         folder.file("a.mtl", damaged(mtl.as_bytes(), &mut numbers));
         let _ = load_scene(&folder.file("a.obj", obj));

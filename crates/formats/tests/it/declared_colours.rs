@@ -4,8 +4,9 @@ use crate::support::pictures::{Page, exr_of, part, read, refusal, tiff, warned, 
 use exr::meta::attribute::{AttributeValue, Chromaticities, IntegerBounds};
 use exr::prelude::Vec2;
 use image::ImageEncoder;
-use unrender_scene::Rgb;
+use unrender_formats::picture;
 use unrender_scene::color::linear_from_srgb;
+use unrender_scene::{Rgb, RgbImage};
 
 const P3: [(f32, f32); 4] = [(0.3127, 0.3290), (0.680, 0.320), (0.265, 0.690), (0.150, 0.060)];
 
@@ -137,6 +138,30 @@ fn primaries_of_exr_are_converted() {
         own.other.insert("acesImageContainerFlag".into(), AttributeValue::I32(1));
     });
     assert!((read(&aces).0.profile.unwrap().srgb_from_file.unwrap().x_axis.x - 2.52).abs() < 0.01);
+}
+
+#[test]
+fn numbers_are_written_with_their_primaries() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.exr");
+    let values = RgbImage::from_fn(4, 3, |x, y| Rgb::new(x as f32, y as f32, -0.5));
+    let corners = [P3, [(0.32168, 0.33767), (0.7347, 0.2653), (0.0, 1.0), (0.0001, -0.077)]];
+    for [white, red, green, blue] in corners.map(|corners| corners.map(|(x, y)| Vec2(x, y))) {
+        let stated = Chromaticities { red, green, blue, white };
+        let file = exr_of(
+            &[part("", &[("R", 1.0), ("G", 0.0), ("B", 0.0)])],
+            IntegerBounds::from_dimensions((4, 3)),
+            |shared, _| shared.chromaticities = Some(stated),
+        );
+        let matrix = read(&file).0.profile.unwrap().srgb_from_file;
+        picture::write_exr_as(&path, &values, matrix).unwrap();
+        let (back, warnings) = picture::read(&path).unwrap();
+        assert!(back.values == values && warnings.0.is_empty(), "{warnings:?}");
+        let declared = back.profile.unwrap().srgb_from_file.unwrap();
+        assert!(declared.abs_diff_eq(matrix.unwrap(), 1e-4), "{declared}");
+    }
+    picture::write_exr_as(&path, &values, None).unwrap();
+    assert_eq!(picture::read(&path).unwrap().0.profile, None);
 }
 
 #[test]

@@ -360,7 +360,7 @@ fn files_that_get_materials_or_a_camera_keep_their_places() {
     let path = nodes(&folder, [500_000, 150, 5_400_000]);
     let (scene, _) = load_scene(&path).unwrap();
     let (back, _) =
-        load_scene(&folder.file("b.glb", assign_materials(&path, &scene).unwrap())).unwrap();
+        load_scene(&folder.file("b.glb", assign_materials(&path, &scene, &[]).unwrap())).unwrap();
     assert_eq!((back.origin, places(&back)), (scene.origin, places(&scene)));
     let camera = Camera::look_at("new", Vec3::new(1.1, 2.2, 3.3), Vec3::ZERO, Vec3::Y, 0.5);
     for path in [path, radiance(&folder, [500_000, 150, 5_400_000])] {

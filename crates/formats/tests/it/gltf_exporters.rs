@@ -92,7 +92,7 @@ fn a_mapping_node_puts_the_texture_where_blender_does() {
             if marked == glam::UVec2::new(x as u32, y as u32) { Rgb::X } else { Rgb::ZERO }
         };
         scene.groups[0].material.texture = Some(Arc::new(texture(red)));
-        let assigned = assign_materials(&path, &scene).unwrap();
+        let assigned = assign_materials(&path, &scene, &[]).unwrap();
         let (written, _) = parts(&assigned);
         let used = written["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"].clone();
         assert_eq!(used["extensions"]["KHR_texture_transform"], transform);
@@ -115,7 +115,7 @@ fn a_transform_goes_with_its_texture() {
     let path = folder.file("a.glb", glb(&json, &bin));
     let (mut scene, _) = load_scene(&path).unwrap();
     scene.groups[0].material = Material::diffuse(Rgb::splat(0.5));
-    let (plain, _) = parts(&assign_materials(&path, &scene).unwrap());
+    let (plain, _) = parts(&assign_materials(&path, &scene, &[]).unwrap());
     assert!(!plain.to_string().contains("KHR_texture_transform"), "{plain}");
 }
 
@@ -269,7 +269,7 @@ fn cameras_keep_their_names() {
     let (scene, _) = load_scene(&path).unwrap();
     assert_eq!(names(&scene), ["Door", "window"]);
     let (assigned, _) =
-        load_scene(&folder.file("b.glb", assign_materials(&path, &scene).unwrap())).unwrap();
+        load_scene(&folder.file("b.glb", assign_materials(&path, &scene, &[]).unwrap())).unwrap();
     assert_eq!(names(&assigned), ["Door", "window"]);
     let (own, _) = load_scene(&folder.file("c.glb", gltf::to_glb(&scene).unwrap())).unwrap();
     assert_eq!(names(&own), ["Door", "window"]);

@@ -191,6 +191,17 @@ fn one_node_has_one_object_a_material() {
 }
 
 #[test]
+fn nodes_without_names_that_share_a_mesh_have_names_of_their_own() {
+    let (scene, _) = load_changed(|json, _| {
+        json["meshes"][0]["name"] = json!("chair");
+        json["nodes"] = json!([{ "mesh": 0 }, { "mesh": 0 }, { "name": "mine", "mesh": 0 }]);
+        json["scenes"][0]["nodes"] = json!([0, 1, 2]);
+    });
+    let names: Vec<&str> = scene.objects.iter().map(|object| object.name.as_str()).collect();
+    assert_eq!(names, ["chair (node 0)", "chair (node 1)", "mine"]);
+}
+
+#[test]
 fn gltf_with_data_uri_and_with_a_file_are_the_same() {
     let folder = Folder::new();
     let (expected, _) = load_changed(|_, _| ());

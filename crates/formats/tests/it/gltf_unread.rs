@@ -333,7 +333,7 @@ fn unread_things_stay_in_the_file_that_is_written_back() {
     let path = folder.file("scene.glb", bytes);
     let (mut scene, _) = load_scene(&path).unwrap();
     scene.groups[0].material.rho_d = Rgb::splat(0.5);
-    let written = unrender_formats::assign_materials(&path, &scene).unwrap();
+    let written = unrender_formats::assign_materials(&path, &scene, &[]).unwrap();
     let length = u32::from_le_bytes(written[12..16].try_into().unwrap()) as usize;
     let json: Value = serde_json::from_slice(&written[20..20 + length]).unwrap();
     assert!(json["materials"][0]["occlusionTexture"].is_object());

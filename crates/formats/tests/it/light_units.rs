@@ -94,7 +94,7 @@ fn other_files_are_read_as_they_stand_to_the_bit() {
         let strength = |s: f64| Rgb::from_array(COLOR.map(|c| (c * s) as f32));
         assert_eq!(scene.lights[0].kind.strength(), strength(point));
         assert_eq!(scene.lights[2].kind.strength(), strength(sun));
-        let same = assign_materials(&path, &scene).unwrap();
+        let same = assign_materials(&path, &scene, &[]).unwrap();
         assert!(!same.windows(11).any(|w| w == b"light_units"));
     }
 }
@@ -115,7 +115,7 @@ fn what_is_stated_counts_more_than_the_generator() {
             assert!(!warnings.0.iter().any(|w| w.contains("lights read as")), "{warnings:?}");
             // The file that is written back states its units.
             let input = Input::new(&path, Limits::default()).in_light_units(Some(units));
-            let assigned = assign_materials(input, &scene).unwrap();
+            let assigned = assign_materials(input, &scene, &[]).unwrap();
             assert_eq!(intensities(&assigned), [numbers[0], numbers[0], numbers[1]]);
             let (back, _) = load(&folder.file("b.glb", assigned), None);
             assert_eq!(back.lights, scene.lights, "{units}");
@@ -132,12 +132,12 @@ fn lights_are_written_back_in_the_files_own_units() {
     let (mut scene, _) = load(&path, None);
     // Untouched lights keep their numbers to the bit.
     let [point, sun] = standard();
-    assert_eq!(intensities(&assign_materials(&path, &scene).unwrap()), [point, point, sun]);
+    assert_eq!(intensities(&assign_materials(&path, &scene, &[]).unwrap()), [point, point, sun]);
     // Lights that are found to be twice as bright are 70 W and 6 W/m^2 in Blender.
     for light in 0..3 {
         *scene.strength_mut(scene.groups.len() + light).unwrap() *= 2.0;
     }
-    let assigned = assign_materials(&path, &scene).unwrap();
+    let assigned = assign_materials(&path, &scene, &[]).unwrap();
     let blender = |i: usize| {
         let light = &json_of(&assigned)["extensions"]["KHR_lights_punctual"]["lights"][i];
         assert_eq!(light["color"][0], 1.0, "its watts are those of the intensity");

@@ -190,6 +190,10 @@ fn groups_of_shapes_are_where_their_instances_are() {
         scene.objects[i].mesh.positions.iter().map(|p| p[axis]).fold(f32::MIN, f32::max)
     };
     assert_eq!((most(0, 0), most(1, 2), most(2, 0), most(3, 2)), (2.0, 8.0, 51.0, 4.0));
+    let names: std::collections::BTreeSet<&str> =
+        scene.objects.iter().map(|object| object.name.as_str()).collect();
+    assert_eq!(names.len(), 5, "each can be removed alone: {names:?}");
+    assert!(scene.objects[2].name.contains("(instance at line "), "{names:?}");
     assert!(warnings.0.is_empty(), "{warnings:?}");
     let told = refusal("<shape type=\"instance\"><shape type=\"cube\"/></shape>");
     assert!(told.contains("no shapegroup"), "{told}");

@@ -61,7 +61,7 @@ fn obj_and_mtl_become_a_scene() {
     assert_eq!(wall.uvs[0], Vec2::new(0.0, 1.0), "v counts from the top");
     assert!(scene.cameras.is_empty());
 
-    let assigned = folder.file("assigned.glb", assign_materials(&path, &scene).unwrap());
+    let assigned = folder.file("assigned.glb", assign_materials(&path, &scene, &[]).unwrap());
     assert_eq!(load_scene(&assigned).unwrap().0, scene);
 }
 

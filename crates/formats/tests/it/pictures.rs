@@ -180,6 +180,34 @@ fn the_exposure_in_a_radiance_header_is_divided_out() {
 }
 
 #[test]
+fn radiance_pictures_are_read_in_all_ways_that_they_stand() {
+    // Upright, this is 1 2 3 over 4 5 6, the exponents of red.
+    let standing: [(&str, [u8; 6]); 8] = [
+        ("-Y 2 +X 3", [1, 2, 3, 4, 5, 6]),
+        ("-Y 2 -X 3", [3, 2, 1, 6, 5, 4]),
+        ("+Y 2 -X 3", [6, 5, 4, 3, 2, 1]),
+        ("+Y 2 +X 3", [4, 5, 6, 1, 2, 3]),
+        ("+X 3 -Y 2", [1, 4, 2, 5, 3, 6]),
+        ("-X 3 -Y 2", [3, 6, 2, 5, 1, 4]),
+        ("-X 3 +Y 2", [6, 3, 5, 2, 4, 1]),
+        ("+X 3 +Y 2", [4, 1, 5, 2, 6, 3]),
+    ];
+    for (line, stored) in standing {
+        let mut bytes = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{line}\n").into_bytes();
+        stored.iter().for_each(|k| bytes.extend([128, 128, 128, 128 + k]));
+        let values = decode(&bytes).values;
+        assert_eq!((values.width(), values.height()), (3, 2), "{line}");
+        let read: Vec<f32> = values.pixels().iter().map(|value| value.x.log2() + 1.0).collect();
+        assert_eq!(read, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0], "{line}");
+        let size = picture::stored_in(&bytes).unwrap().size;
+        assert_eq!(
+            size,
+            if line.contains("X 3 -Y") || line.contains("X 3 +Y") { (2, 3) } else { (3, 2) }
+        );
+    }
+}
+
+#[test]
 fn tiff_orientation_is_honoured() {
     // A 2 x 1 grey TIFF with orientation 8, every entry one SHORT but the last two.
     let entries: [(u16, u16, u32); 9] = [

@@ -162,7 +162,7 @@ fn a_dressed_file_keeps_the_rest() {
     scene.brdf = WardModel::Ward1992.into();
     scene.groups[0].material = materials()[3].clone();
     scene.groups[1].material = materials()[5].clone();
-    let bytes = assign_materials(&path, &scene).unwrap();
+    let bytes = assign_materials(&path, &scene, &[]).unwrap();
     let (back, _) = load_scene(&folder.file("assigned.glb", &bytes)).unwrap();
     assert_eq!(back.objects, scene.objects);
     assert_eq!(back.brdf, scene.brdf);
@@ -180,7 +180,7 @@ fn a_dressed_file_keeps_the_rest() {
     }
     // With pure mirrors the extensions are no longer needed.
     scene.groups.iter_mut().for_each(|g| g.material = Material::mirror(Rgb::ONE));
-    let plain = json_of(&assign_materials(&path, &scene).unwrap());
+    let plain = json_of(&assign_materials(&path, &scene, &[]).unwrap());
     let used = ["KHR_materials_clearcoat", "KHR_materials_emissive_strength"];
     assert_eq!(plain["extensionsUsed"], json!(used));
 }
@@ -207,7 +207,7 @@ fn a_dressed_file_shines_as_the_scene_does() {
     });
     let path = folder.file("source.glb", &source);
     let (mut scene, _) = load_scene(&path).unwrap();
-    let same = json_of(&assign_materials(&path, &scene).unwrap());
+    let same = json_of(&assign_materials(&path, &scene, &[]).unwrap());
     assert_eq!(same["extensions"], json_of(&source)["extensions"]);
     assert_eq!(same["materials"][0]["emissiveFactor"], json!([1, 0.5, 0.25]));
     assert!(same["materials"][0].get("emissiveTexture").is_some());
@@ -223,7 +223,7 @@ fn a_dressed_file_shines_as_the_scene_does() {
     for (index, strength) in strengths.into_iter().enumerate() {
         *scene.strength_mut(index).unwrap() = strength;
     }
-    let bytes = assign_materials(&path, &scene).unwrap();
+    let bytes = assign_materials(&path, &scene, &[]).unwrap();
     let (back, _) = load_scene(&folder.file("assigned.glb", &bytes)).unwrap();
     assert_eq!((&back.lights, &back.groups), (&scene.lights, &scene.groups));
     let json = json_of(&bytes);
@@ -238,11 +238,28 @@ fn a_dressed_file_shines_as_the_scene_does() {
 
     // Brighter than one: the colour stays within glTF's bounds, and the product is exact.
     scene.groups[0].emission = Rgb::new(41.3, 12.34, 0.1);
-    let bytes = assign_materials(&path, &scene).unwrap();
+    let bytes = assign_materials(&path, &scene, &[]).unwrap();
     let (back, _) = load_scene(&folder.file("assigned.glb", &bytes)).unwrap();
     assert_eq!(back.groups, scene.groups);
     let factor = &json_of(&bytes)["materials"][0]["emissiveFactor"];
     assert!(factor.as_array().unwrap().iter().all(|c| c.as_f64().unwrap() <= 1.0), "{factor}");
+}
+
+#[test]
+fn cameras_are_added_to_the_file_and_replace_their_namesakes() {
+    let folder = Folder::new();
+    let scene = scene();
+    let path = folder.file("a.glb", gltf::to_glb(&scene).unwrap());
+    let eye = scene.bounds().unwrap()[1];
+    let of = |name: &str| Camera::look_at(name, eye, glam::Vec3::ZERO, glam::Vec3::Y, 0.6);
+    let added = [of("photograph"), of(&scene.cameras[0].name)];
+    let bytes = assign_materials(&path, &scene, &added).unwrap();
+    let (back, _) = load_scene(&folder.file("b.glb", bytes)).unwrap();
+    assert_eq!(back.cameras.len(), scene.cameras.len() + 1);
+    for added in added {
+        let found = back.cameras.iter().find(|camera| camera.name == added.name).unwrap();
+        assert!(found.origin().distance(eye) < 1e-4 && (found.fov_y_rad - 0.6).abs() < 1e-6);
+    }
 }
 
 #[test]
@@ -276,7 +293,7 @@ fn buffers_and_pictures_beside_the_file_are_embedded() {
     let elsewhere = Folder::new();
     let mut nothing = scene.clone();
     nothing.groups[0].name = "another".into();
-    let bytes = assign_materials(&path, &nothing).unwrap();
+    let bytes = assign_materials(&path, &nothing, &[]).unwrap();
     let (back, _) = load_scene(&elsewhere.file("alone.glb", bytes)).unwrap();
     assert_eq!(back, scene);
 }
@@ -300,11 +317,11 @@ fn damaged_textures_and_lights_never_panic() {
     for _ in 0..2000 {
         let path = folder.file("a.glb", damaged(&whole, &mut numbers));
         if let Ok((mut scene, _)) = load_scene(&path) {
-            assign_materials(&path, &scene).unwrap();
+            assign_materials(&path, &scene, &[]).unwrap();
             for index in 0..scene.groups.len() + scene.lights.len() {
                 *scene.strength_mut(index).unwrap() *= 0.3;
             }
-            assign_materials(&path, &scene).unwrap();
+            assign_materials(&path, &scene, &[]).unwrap();
             gltf::to_glb(&scene).unwrap();
         }
     }

@@ -7,6 +7,7 @@
 
 pub use crate::observe::noise::{Noise, PhotographNoise};
 use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 use unrender_register::margin::{self, near_edges};
 use unrender_register::offset::EdgePicture;
 use unrender_register::steep::steepness;
@@ -53,7 +54,7 @@ pub enum Reading {
 }
 
 /// Whether a pixel is valid, or why it is not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum PixelStatus {
     /// It counts.
     Valid,

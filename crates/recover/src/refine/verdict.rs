@@ -29,6 +29,9 @@ use unrender_scene::{Material, Rgb};
 const UNSEEN_MAX: f64 = 0.1;
 /// From this correlation on, two numbers of one group are named as tied.
 const TIED: f64 = 0.95;
+/// The most lights that are named as tied; they fit on a line. At half a room with three lamps loses one, double was not
+/// tried.
+const TOLD: usize = 4;
 /// A roughness with a larger relative standard deviation than this is said to be open.
 const ALPHA_OPEN: f64 = 0.5;
 
@@ -380,7 +383,7 @@ impl Verdict<'_> {
 
     /// The unknown lights that would explain the group's brightness as well as its reflectance does: those whose
     /// brightness (of an environment in parts, that of all parts together) is tied to it.
-    fn ties_to_lights(&self, guess: &Guess<'_>) -> Vec<String> {
+    fn ties_to_lights(&self, guess: &Guess<'_>) -> Option<String> {
         let problem = guess.problem;
         let parts: BTreeSet<usize> =
             problem.neighbouring_lights.iter().flatten().copied().collect();
@@ -397,14 +400,9 @@ impl Verdict<'_> {
         let tied = |(name, of): (String, Vec<usize>)| {
             let most = (0..3).filter_map(|channel| self.correlation(&of, channel));
             let most = most.fold(0.0, f64::min);
-            (most < -TIED).then(|| {
-                format!(
-                    "rho_d and the brightness of {name} are tied together (correlation \
-                     {most:.3}): more of one and less of the other explain the photograph as well"
-                )
-            })
+            (most < -TIED).then_some((name, most))
         };
-        lights.into_iter().filter_map(tied).collect()
+        ties_told(lights.into_iter().filter_map(tied).collect())
     }
 
     /// The correlation of the group's diffuse reflectance with the summed factors of the lights `of`, in one
@@ -448,5 +446,42 @@ impl Verdict<'_> {
             }
         }
         doubts
+    }
+}
+
+/// What to say of the lights that a group's reflectance is tied to, each with its correlation: the closest by name,
+/// and how many others there are.
+fn ties_told(mut lights: Vec<(String, f64)>) -> Option<String> {
+    lights.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let named: Vec<&str> = lights.iter().take(TOLD).map(|(name, _)| name.as_str()).collect();
+    let rest = lights.len() - named.len();
+    let names = match rest {
+        0 => named.join(", "),
+        rest => format!("{} and {rest} more", named.join(", ")),
+    };
+    let (_, closest) = lights.first()?;
+    let correlation = match lights[..] {
+        [_] => format!("correlation {closest:.3}"),
+        _ => format!("correlations from {closest:.3} on"),
+    };
+    Some(format!(
+        "rho_d and the brightness of {names} are tied together ({correlation}): more of one and less of the other \
+         explain the photograph as well"
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_many_lights_that_are_tied_a_few_are_named() {
+        assert_eq!(ties_told(Vec::new()), None);
+        let one = ties_told(vec![("the environment".into(), -0.98)]).unwrap();
+        assert!(one.contains("of the environment are tied together (correlation -0.980)"), "{one}");
+        let lights = (0..320).map(|k| (format!("\"l{k}\""), -0.96 - 1e-4 * f64::from(k))).collect();
+        let many = ties_told(lights).unwrap();
+        assert!(many.contains("\"l319\", \"l318\", \"l317\", \"l316\" and 316 more"), "{many}");
+        assert!(many.contains("(correlations from -0.992 on)"), "{many}");
     }
 }

@@ -22,8 +22,8 @@ mod walk;
 mod woop;
 
 pub(crate) use shaft::{Bundle, Occluders};
+pub use woop::clearance;
 pub(crate) use woop::front_normal;
-pub use woop::offset;
 
 use glam::Vec3;
 use tree::Tree;

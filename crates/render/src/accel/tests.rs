@@ -199,7 +199,8 @@ fn the_surface_of_a_bundle_is_not_among_its_occluders() {
     let floor: Vec<_> = floor.collect();
     let accel = Accel::build(&floor);
     let normal = front_normal(floor[0]);
-    let on_floor = |x: f32, z: f32| offset(Vec3::new(x, 0.1 * (x + z), z), normal);
+    let off = floor.iter().map(|t| clearance(*t)).fold(0.0, f32::max);
+    let on_floor = |x: f32, z: f32| Vec3::new(x, 0.1 * (x + z), z) + off * normal;
     let bundle = Bundle::new(
         (0..64).map(|k| on_floor(3.3 + 0.1 * (k / 8) as f32, 4.4 + 0.1 * (k % 8) as f32)),
         normal,

@@ -165,21 +165,17 @@ fn edge_again(single: Vec4, p: Vec4, q: Vec4, r: Vec4, s: Vec4) -> Vec4 {
     }))
 }
 
-/// Moves `point` off its surface along the unit `normal`, just far enough that rays from there do
-/// not hit the same surface: by 256 units in the last place [Waechter and Binder 2019, chapter 6].
-#[inline]
-pub fn offset(point: Vec3, normal: Vec3) -> Vec3 {
-    /// Coordinates below this (metres) are offset by [`NEAR_ORIGIN`]: their error is that of the
-    /// larger numbers that they were computed from.
-    const ORIGIN: f32 = 1.0 / 32.0;
-    const NEAR_ORIGIN: f32 = 1.0 / 65536.0;
-    /// Units in the last place, relative to the coordinate; the value of the source.
-    const RELATIVE: f32 = 256.0 * f32::EPSILON;
-    let step = |coordinate: f32| {
-        let size = coordinate.abs();
-        if size < ORIGIN { NEAR_ORIGIN } else { size * RELATIVE }
-    };
-    point + normal * Vec3::new(step(point.x), step(point.y), step(point.z))
+/// How far off a triangle rays that leave it start, as a share of its largest coordinate: 64 units in the last place.
+/// That is more than rounding makes of a point on it and of the distance at which such a ray meets it again. Of random rays
+/// none in 400 000 meets its own triangle again, or 7 where that lies along an axis, and 0.5 % from triangles a thousand
+/// times as long as wide; with half of it 0, 15 and 1.4 %, with double of it 0, 6 and 0.1 %, and light from nearby lamps is
+/// off by twice as much: 4e-5 at 2 m above a floor of 10 m.
+const CLEARANCE: f32 = 64.0 * f32::EPSILON;
+
+/// How far off the triangle rays that leave it start, metres.
+pub fn clearance(corners: [Vec3; 3]) -> f32 {
+    let [a, b, c] = corners.map(Vec3::abs);
+    CLEARANCE * a.max(b).max(c).max_element()
 }
 
 /// The unit normal of the front of a triangle, computed in double precision.

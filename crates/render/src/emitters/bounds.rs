@@ -213,8 +213,8 @@ impl ClusterBounds {
     pub(super) fn importances(&self, four: usize, point: Vec3) -> Vec4 {
         let four = &self.fours[four];
         let from = [0, 1, 2].map(|axis| Vec4::splat(point[axis]) - four.centre[axis]);
-        // Keeps the importance finite at a light.
-        let distance2 = dot(from, from).max(Vec4::splat(1e-12));
+        // Keeps the importance finite at a light: a picometre.
+        let distance2 = dot(from, from).max(Vec4::splat(1e-24));
         let distance = distance2.sqrt();
         // The largest distance of the point from the sphere's centre along any of the axes: by
         // the difference of the angle to the mean axis and the half angle of the cone.

@@ -35,6 +35,8 @@ pub(super) struct EmittingTriangle {
     edges: [Vec3; 2],
     /// Unit normal of the front.
     normal: Vec3,
+    /// How far before it shadow rays to it end, metres.
+    clearance: f32,
     /// The index of its emission.
     pub(super) emission: u32,
     pub(super) pool: u32,
@@ -46,8 +48,9 @@ impl EmittingTriangle {
     /// Its pool and density are set once all lights are known.
     pub(super) fn new(emission: u32, corners: [Vec3; 3]) -> Self {
         let [corner, b, c] = corners;
-        let (edges, normal) = ([b - corner, c - corner], accel::front_normal(corners));
-        Self { corner, edges, normal, emission, pool: 0, density: 0.0 }
+        let edges = [b - corner, c - corner];
+        let (normal, clearance) = (accel::front_normal(corners), accel::clearance(corners));
+        Self { corner, edges, normal, clearance, emission, pool: 0, density: 0.0 }
     }
 
     /// Square metres.
@@ -81,7 +84,7 @@ impl EmittingTriangle {
         let root = u[0].sqrt();
         let (b, c) = (root * (1.0 - u[1]), root * u[1]);
         let on_light = self.corner + self.edges[0] * b + self.edges[1] * c;
-        let to_light = accel::offset(on_light, self.normal) - point;
+        let to_light = on_light + self.clearance * self.normal - point;
         let distance2 = to_light.length_squared();
         let (distance, inverse) = (distance2.sqrt(), 1.0 / distance2.sqrt());
         let wi = to_light * inverse;

@@ -147,8 +147,8 @@ fn the_strongest_pairs_are_kept_and_dark_lamps_make_none() {
 fn wall(point: Vec3) -> Surface {
     let frame = Frame::new(Vec3::Z, Vec3::X, true);
     let (geometric_normal, uv) = (Vec3::Z, glam::Vec2::ZERO);
-    let (triangle, object, group, front) = (0, 9, 9, true);
-    Surface { point, triangle, object, group, front, geometric_normal, frame, uv }
+    let (triangle, object, group, front, clearance) = (0, 9, 9, true, 0.0);
+    Surface { point, triangle, object, group, front, geometric_normal, clearance, frame, uv }
 }
 
 #[test]

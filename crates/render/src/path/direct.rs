@@ -2,7 +2,7 @@
 //! the weights of multiple importance sampling between them and directions drawn from the BRDF.
 
 use super::{PathObserver, RayHit, Transport, Vertex};
-use crate::accel::{self, Bundle, Occluders, Ray};
+use crate::accel::{Bundle, Occluders, Ray};
 use crate::emitters::LightSample;
 use crate::surface::Surface;
 use crate::virtual_lamps::{MirrorTrail, MirrorsPassed, Passed, VirtualSample};
@@ -66,14 +66,14 @@ impl Transport<'_> {
     pub(crate) fn triangle_pdf(&self, from: &Surface, emitter: &Surface, wi: Vec3) -> f32 {
         let distance = (emitter.point - from.point).length();
         let cos = -wi.dot(self.tracer.front_normal(emitter.triangle));
-        let origin = accel::offset(from.point, from.geometric_normal);
+        let origin = from.start();
         self.tracer.emitters.pdf(origin, emitter.triangle, distance, cos)
     }
 
     /// The density over solid angle with which light samples at `from` draw the environment along
     /// `wi`.
     pub(crate) fn environment_pdf(&self, from: &Surface, wi: Vec3) -> f32 {
-        let origin = accel::offset(from.point, from.geometric_normal);
+        let origin = from.start();
         self.tracer.emitters.environment_pdf(origin, wi)
     }
 
@@ -109,7 +109,7 @@ impl Transport<'_> {
         (count, bounce): (u32, u32),
         observer: &mut impl PathObserver,
     ) {
-        let origin = accel::offset(at.surface.point, at.surface.geometric_normal);
+        let origin = at.surface.start();
         let emitters = &self.tracer.emitters;
         if self.virtual_lamps.is_empty() {
             let light = emitters.sample(origin, [pick, u, v]);
@@ -242,7 +242,7 @@ impl Transport<'_> {
 
     /// A light sample at a surface for any BRDF; none if it is occluded.
     pub fn visible_light(&self, at: &Surface, u: [f32; 3]) -> Option<VisibleLight> {
-        let origin = accel::offset(at.point, at.geometric_normal);
+        let origin = at.start();
         let light = self.tracer.emitters.sample(origin, u)?;
         let visible = at.is_above(light.wi) && self.is_visible(origin, light.wi, light.distance);
         let weight = light.weight * self.brightness(light.source);
@@ -256,7 +256,7 @@ impl Transport<'_> {
         if self.virtual_lamps.is_empty() {
             return None;
         }
-        let origin = accel::offset(at.point, at.geometric_normal);
+        let origin = at.start();
         let emitters = &self.tracer.emitters;
         let point = (origin, emitters.importances(origin).sum());
         let sample = self.virtual_lamps.sample(emitters, point, u)?;

@@ -1,7 +1,7 @@
 //! Receivers: the first vertices of the paths of a tile, and the light that they reflect on their
 //! own.
 
-use crate::accel::{self, Ray};
+use crate::accel::Ray;
 use crate::bsdf::{Bsdf, Specular, lambert};
 use crate::guiding::VmfMixture;
 use crate::path::{LocalBsdf, PathObserver, RadianceSum, Transport, Vertex};
@@ -73,7 +73,7 @@ impl Receiver {
         }
         CameraHit::Receiver(Self {
             pixel,
-            origin: accel::offset(surface.point, surface.geometric_normal),
+            origin: surface.start(),
             guide: transport.guide(&local, &surface, 0),
             wo: frame.local_from_viewer(-ray.direction),
             surface,

@@ -1,6 +1,5 @@
 //! Reusable vertices: the second vertices of paths, with the light that they reflect.
 
-use crate::accel;
 use crate::bsdf::Specular;
 use crate::guiding::VmfMixture;
 use crate::path::{LocalBsdf, Transport, VisibleLight};
@@ -63,7 +62,7 @@ impl ReusableVertex {
         sampler: &mut Sampler,
     ) -> Option<Self> {
         let local = transport.bsdf(&surface);
-        let point = accel::offset(surface.point, surface.geometric_normal);
+        let point = surface.start();
         if local.bsdf.is_black() {
             return None;
         }

@@ -1,6 +1,7 @@
 //! Flat faces: the coplanar triangles of an object taken together. A box has six of them, a table of
 //! one mesh as many as it has sides.
 
+use crate::accel;
 use glam::Vec3;
 use unrender_scene::{Mesh, Object, Scene};
 
@@ -45,6 +46,8 @@ pub(crate) struct FlatFace {
     pub(crate) bounds: [Vec3; 2],
     /// Square metres; a face that is modelled from both sides counts twice.
     pub(crate) area: f32,
+    /// How far off it rays that leave it start, metres.
+    pub(crate) clearance: f32,
 }
 
 impl FlatFaces {
@@ -134,13 +137,15 @@ fn of_object(object: &Object) -> (Vec<FlatFace>, Vec<Option<usize>>) {
             let FlatTriangle { corners, normal, .. } = triangle;
             let nothing = [Vec3::INFINITY, Vec3::NEG_INFINITY];
             let group = object.group as u32;
-            let face = FlatFace { group, point: corners[0], normal, bounds: nothing, area: 0.0 };
+            let (point, area, clearance) = (corners[0], 0.0, 0.0);
+            let face = FlatFace { group, point, normal, bounds: nothing, area, clearance };
             (faces.len() < FACES_MAX).then(|| faces.push(face)).map(|()| faces.len() - 1)
         });
         let Some(place) = place else { continue };
         places[triangle.index] = Some(place);
         let face = &mut faces[place];
         face.area += triangle.area;
+        face.clearance = face.clearance.max(accel::clearance(triangle.corners));
         let [low, high] = bounds(triangle.corners);
         face.bounds = [face.bounds[0].min(low), face.bounds[1].max(high)];
     }
@@ -171,6 +176,11 @@ impl FlatFace {
     /// The extent of the face, metres.
     pub(crate) fn extent(&self) -> f32 {
         (self.bounds[1] - self.bounds[0]).length()
+    }
+
+    /// Whether the two normals are the same or opposite.
+    pub(crate) fn is_parallel_to(&self, other: &Self) -> bool {
+        is_parallel(self.normal, other.normal)
     }
 
     fn holds(&self, triangle: &FlatTriangle, thickness: f32) -> bool {

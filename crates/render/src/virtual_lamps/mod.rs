@@ -32,15 +32,14 @@ mod fours;
 mod lamps;
 mod sight;
 
-pub(crate) use faces::FlatFaces;
+pub(crate) use faces::{FlatFace, FlatFaces};
 
-use crate::accel::{self, Accel};
+use crate::accel::Accel;
 use crate::appearance::Appearance;
 use crate::emitters::{ENVIRONMENT, Emitters, LightSample};
 use crate::lanes::{self, total};
 use crate::surface::Surface;
 use chain::{Chain, Crossings, MIRRORS_MAX, Mirror};
-use faces::FlatFace;
 use fours::Four;
 use glam::{Vec3, Vec4};
 use lamps::VirtualLamp;
@@ -135,7 +134,7 @@ impl MirrorTrail {
     /// samples.
     #[inline]
     pub(crate) fn new(from: &Surface, pdf: f32, samples: u32) -> Self {
-        let origin = accel::offset(from.point, from.geometric_normal);
+        let origin = from.start();
         Self { origin, pdf, samples, places: [0; MIRRORS_MAX], count: 0 }
     }
 

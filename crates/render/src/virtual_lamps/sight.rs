@@ -4,7 +4,7 @@
 use super::chain::Mirror;
 use super::faces::FlatFaces;
 use super::lamps::Lamp;
-use crate::accel::{self, Accel, Ray};
+use crate::accel::{Accel, Ray};
 use crate::emitters::{Emitters, PoolOrigin};
 use crate::sampler::Sampler;
 use glam::Vec3;
@@ -76,7 +76,7 @@ impl Sight {
                 break;
             };
             let normal = mirror.face.normal * to_light.dot(mirror.face.normal).signum();
-            let origin = accel::offset(point, normal);
+            let origin = point + mirror.face.clearance * normal;
             if !around.are_open(origin, to_light) {
                 continue;
             }

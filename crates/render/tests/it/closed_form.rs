@@ -7,7 +7,7 @@ use crate::common::{Estimate, Stage, assert_agree, camera, plate_corners, quad_m
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI};
 use unrender_render::Settings;
-use unrender_scene::{LightKind, Material, Rgb, WardModel};
+use unrender_scene::{Camera, LightKind, Material, Rgb, WardModel};
 
 const RHO: Rgb = Rgb::new(0.2, 0.5, 0.8);
 const BLACK: Rgb = Rgb::ZERO;
@@ -279,4 +279,25 @@ fn a_mirror_shows_the_mirror_image() {
         }
     }
     assert!(certain > 20, "{certain} pixels wholly inside the patches");
+}
+
+#[test]
+fn what_is_nearer_than_the_near_clipping_plane_is_not_seen() {
+    let mut stage = Stage::default();
+    let [near, far] =
+        [2.0, 3.0].map(|radiance| stage.group(Material::diffuse(Rgb::ZERO), Rgb::splat(radiance)));
+    stage.plate(near, Vec3::NEG_Z, 3.0 * Vec3::X, 3.0 * Vec3::Y);
+    stage.plate(far, -2.0 * Vec3::Z, 6.0 * Vec3::X, 6.0 * Vec3::Y);
+    let view = camera(Vec3::ZERO, Vec3::NEG_Z, 1.6);
+    for (cut, radiance, depth) in
+        [(0.0, 2.0, 1.0), (0.99, 2.0, 1.0), (1.01, 3.0, 2.0), (2.5, 0.0, f32::INFINITY)]
+    {
+        let view = Camera { near: cut, ..view.clone() };
+        let film = stage.render(&view, 9, settings(4));
+        let even = |p: &Rgb| (*p - Rgb::splat(radiance)).abs().max_element() < 1e-5;
+        assert!(film.mean.pixels().iter().all(even), "{cut}");
+        // Depths count from the camera's centre all the same.
+        let middle = stage.tracer().geometry(&view, 9, 9).pixels()[40].depth;
+        assert!(middle == depth || (middle - depth).abs() < 1e-5, "{cut}: {middle}");
+    }
 }

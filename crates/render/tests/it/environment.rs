@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 use unrender_render::environment::EnvironmentSampler;
 use unrender_render::{Appearance, Parameter, ProbeSettings, Query};
-use unrender_scene::{Environment, LightKind, Material, Rgb, RgbImage, WardModel};
+use unrender_scene::{Environment, LightKind, Material, Rgb, RgbImage, UpAxis, WardModel};
 
 const RHO: Rgb = Rgb::new(0.2, 0.5, 0.8);
 const BLACK: Rgb = Rgb::ZERO;
@@ -55,7 +55,13 @@ fn seen(stage: &Stage, spp: u32) -> Estimate {
 
 #[test]
 fn directions_are_drawn_by_their_density() {
-    let sampler = EnvironmentSampler::new(&motley()).unwrap();
+    for up in [UpAxis::Y, UpAxis::Z] {
+        directions_follow_their_density(&motley().with_up(up));
+    }
+}
+
+fn directions_follow_their_density(environment: &Environment) {
+    let sampler = EnvironmentSampler::new(environment).unwrap();
     // Each of these cells lies within one of the sampler's.
     let (columns, rows) = (32, 16);
     let centre = |cell: usize| {
@@ -63,7 +69,7 @@ fn directions_are_drawn_by_their_density() {
         let edges = [row, row + 1].map(|r| Environment::cos_polar(r as f32 / rows as f32));
         let solid_angle = TAU / columns as f32 * (edges[0] - edges[1]);
         let u = (column as f32 + 0.5) / columns as f32;
-        (motley().direction(u, 0.5 * (edges[0] + edges[1])), solid_angle)
+        (environment.direction(u, 0.5 * (edges[0] + edges[1])), solid_angle)
     };
     let expected: Vec<f64> = (0..columns * rows)
         .map(|cell| {
@@ -79,7 +85,7 @@ fn directions_are_drawn_by_their_density() {
         let [u, v, _] = random.next3();
         let (wi, pdf) = sampler.sample([u, v]);
         assert!((wi.length() - 1.0).abs() < 1e-5 && pdf > 0.0);
-        let (u, v) = motley().place(wi);
+        let (u, v) = environment.place(wi);
         let column = ((u * columns as f32) as usize).min(columns - 1);
         let row = ((v * rows as f32) as usize).min(rows - 1);
         counts[row * columns + column] += 1;
@@ -96,6 +102,24 @@ fn directions_are_drawn_by_their_density() {
     }
     let z = (chi_squared - (cells - 1.0)) / f64::sqrt(2.0 * (cells - 1.0));
     assert!(cells > 300.0 && z < 4.0, "chi-squared {chi_squared} in {cells} cells");
+}
+
+#[test]
+fn a_scene_with_z_upwards_is_lit_as_the_same_with_y_upwards() {
+    let of = |up: UpAxis| {
+        let mut stage = Stage::default();
+        let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| up.from_y_up(axis));
+        let glossy = Material::isotropic(RHO, Rgb::splat(0.1), 0.3);
+        let floor = stage.group(glossy, BLACK);
+        stage.plate(floor, Vec3::ZERO, 5.0 * z, 5.0 * x);
+        let wall = stage.group(Material::diffuse(RHO), BLACK);
+        stage.plate(wall, -0.5 * z + 0.5 * y, 0.6 * x, 0.5 * y);
+        stage.scene.environment = Some(motley().with_up(up));
+        let (eye, target) = (0.8 * x + 0.9 * y + 2.0 * z, 0.3 * y);
+        let camera = unrender_scene::Camera::look_at("c", eye, target, y, 0.9);
+        Estimate::of_film(&stage.render(&camera, 32, settings(256)))
+    };
+    assert_agree("y and z upwards", of(UpAxis::Y), of(UpAxis::Z), 0.01);
 }
 
 #[test]

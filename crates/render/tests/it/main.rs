@@ -18,5 +18,6 @@ mod jacobian_independent;
 mod layers;
 mod path_reuse;
 mod probes;
+mod scale;
 mod virtual_lamps;
 mod ward_table;

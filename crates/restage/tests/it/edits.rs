@@ -2,12 +2,12 @@
 
 use crate::common::{self, insertion, model};
 use glam::{DVec3, Vec2, Vec3};
-use unrender_restage::insert::Place;
+use unrender_restage::insert::{self, Place};
 use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
 use unrender_restage::remove::{Bearer, Remove};
 use unrender_restage::repaint::{Paint, Repaint};
 use unrender_restage::{Edit, apply};
-use unrender_scene::{LightKind, Rgb};
+use unrender_scene::{LightKind, Rgb, UpAxis};
 
 const STILL: Alter = Alter { scale: Rgb::ONE, strength: None, shift: Vec3::ZERO, direction: None };
 
@@ -45,9 +45,23 @@ fn objects_are_told_from_those_that_were_there() {
 }
 
 #[test]
+fn models_in_other_units_are_told_with_both_sizes() {
+    let told = |scale: f32| {
+        let insert = insert::Insert { scale, ..insertion(0.3, 0.2) };
+        apply(&mut model(), &[Edit::Insert(insert)]).unwrap().warnings.0
+    };
+    assert_eq!(told(1.0), [""; 0]);
+    for (scale, size) in [(1000.0, "too large for the scene"), (0.001, "too small for the scene")] {
+        let told = told(scale);
+        assert!(told.len() == 1 && told[0].contains(size), "{told:?}");
+        assert!(told[0].contains("scale = 1 if"), "{told:?}");
+    }
+}
+
+#[test]
 fn things_are_put_down_where_their_foot_is() {
     for (place, foot) in [
-        (Place::Onto { group: "floor".into(), x: 0.5, z: -1.0 }, Vec3::new(0.5, 0.0, -1.0)),
+        (Place::Onto { group: "floor".into(), at: [0.5, -1.0] }, Vec3::new(0.5, 0.0, -1.0)),
         (
             Place::Seen {
                 origin: Vec3::new(0.0, 1.0, 0.0),
@@ -72,11 +86,48 @@ fn things_are_put_down_where_their_foot_is() {
 }
 
 #[test]
+fn things_stand_upright_where_z_points_upwards() {
+    let mut scene = model();
+    scene.up = UpAxis::Z;
+    for mesh in scene.objects.iter_mut().map(|object| &mut object.mesh) {
+        mesh.positions.iter_mut().for_each(|p| *p = UpAxis::Z.from_y_up(*p));
+        mesh.normals.iter_mut().for_each(|n| *n = UpAxis::Z.from_y_up(*n));
+    }
+    let ray = Place::Seen {
+        origin: Vec3::new(0.0, 0.0, 1.0),
+        direction: Vec3::new(1.0, 0.0, -1.0).normalize(),
+        group: Some("floor".into()),
+    };
+    for (place, foot) in [
+        (Place::Onto { group: "floor".into(), at: [0.5, 1.0] }, Vec3::new(0.5, 1.0, 0.0)),
+        (ray, Vec3::new(1.0, 0.0, 0.0)),
+        (Place::At(Vec3::new(0.1, 0.3, 0.7).as_dvec3()), Vec3::new(0.1, 0.3, 0.7)),
+    ] {
+        let mut scene = scene.clone();
+        let mut insert = insertion(0.0, 0.0);
+        (insert.place, insert.scale) = (place, 0.5);
+        apply(&mut scene, &[Edit::Insert(insert)]).unwrap();
+        let points = &scene.objects.last().unwrap().mesh.positions;
+        let low = points.iter().copied().reduce(Vec3::min).unwrap();
+        let high = points.iter().copied().reduce(Vec3::max).unwrap();
+        assert!(
+            ((0.5 * (low + high)).with_z(low.z) - foot).length() < 1e-5,
+            "{low} {high} for {foot}"
+        );
+        assert!((high.z - low.z - 0.25).abs() < 1e-6, "as high as it is where y points upwards");
+    }
+    let mut insert = insertion(0.0, 0.0);
+    insert.place = Place::Onto { group: "floor".into(), at: [50.0, 1.0] };
+    let error = apply(&mut scene, &[Edit::Insert(insert)]).unwrap_err();
+    assert!(error.problem.contains("faces upwards at x = 50, y = 1"), "{error}");
+}
+
+#[test]
 fn the_highest_surface_that_can_be_stood_on_is_found() {
     let mut scene = model();
     let mut second = insertion(0.3, 0.2);
     second.name = "second".into();
-    second.place = Place::Onto { group: "box.red".into(), x: 0.3, z: 0.2 };
+    second.place = Place::Onto { group: "box.red".into(), at: [0.3, 0.2] };
     apply(&mut scene, &[Edit::Insert(insertion(0.3, 0.2)), Edit::Insert(second)]).unwrap();
     let points = &scene.objects.last().unwrap().mesh.positions;
     let low = points.iter().fold(f32::INFINITY, |low, p| low.min(p.y));
@@ -187,7 +238,7 @@ fn places_far_away_are_those_of_the_world() {
     let mut far = model();
     far.origin = origin;
     let mut beside = insertion(0.0, 0.0);
-    beside.place = Place::Onto { group: "floor".into(), x: 5e5 + 0.3, z: 5.4e6 };
+    beside.place = Place::Onto { group: "floor".into(), at: [5e5 + 0.3, 5.4e6] };
     apply(&mut far, &[Edit::Insert(beside)]).unwrap();
     let mut beside = insertion(0.0, 0.0);
     beside.place = Place::At(DVec3::ZERO);

@@ -1,10 +1,11 @@
 //! Checks of the camera's place and the units: what fills the picture, and how far away it is.
 
 use super::finding::{Findings, Gravity};
-use super::{Subject, length};
+use super::{Subject, length, some};
 use glam::Vec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use unrender_render::NOTHING;
+use unrender_scene::Camera;
 
 /// A picture that shows nothing of the model in more than this share of its pixels is doubtful.
 const EMPTY: f32 = 0.5;
@@ -31,7 +32,31 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
         ));
     }
     found.extend(in_the_way(subject));
+    found.extend(cut_away(subject));
     found.extend(units(subject));
+    found
+}
+
+/// What the near clipping plane of the camera cuts away.
+fn cut_away(subject: &Subject<'_>) -> Findings {
+    let mut found = Findings::default();
+    let (camera, seen) = (&subject.registered.camera, subject.geometry);
+    if camera.near == 0.0 {
+        return found;
+    }
+    let whole = Camera { near: 0.0, ..camera.clone() };
+    let whole = subject.tracer.geometry(&whole, seen.width(), seen.height());
+    let pairs = whole.pixels().iter().zip(seen.pixels());
+    let cut = pairs.filter(|(whole, seen)| whole.object != seen.object).map(|(whole, _)| whole);
+    let names: BTreeSet<&str> = cut.map(|whole| subject.object_name(whole.object)).collect();
+    if !names.is_empty() {
+        let names: Vec<&str> = names.into_iter().collect();
+        found.push(Gravity::Note, format!(
+            "what is nearer than the camera's near clipping plane, {}, is not seen: parts of {}",
+            length(camera.near),
+            some(&names)
+        ));
+    }
     found
 }
 

@@ -1,7 +1,7 @@
 //! Surfaces of two groups that overlap in one plane: rays meet the one or the other by chance, and those that start at
 //! the one pass through the other, so that light is lost.
 //!
-//! Points of what the picture shows, and of the fronts of area lights that it could see, are looked for in the triangles
+//! The renderer moves the smaller one in front where that is clear. Else points of what the picture shows, and of the fronts of area lights that it could see, are looked for in the triangles
 //! of all other groups. A box that stands on the floor does no harm: nothing sees its lower side.
 
 use super::finding::{Findings, Gravity};
@@ -11,7 +11,8 @@ use crate::Job;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
-use unrender_render::accel::offset;
+use unrender_render::accel::clearance;
+use unrender_render::coplanar::{APART, InFront};
 use unrender_render::{GeometryBuffers, NOTHING, Tracer};
 use unrender_scene::{Camera, Object, Scene};
 
@@ -26,23 +27,12 @@ const PARALLEL: f32 = 0.999;
 const INSIDE: f32 = 1e-4;
 /// Points of the picture that an area light has to be free to shine at.
 const SEEN: usize = 32;
-/// The distance that is proposed as a remedy, in ray offsets: both surfaces' rays start beside the other one then. At half
-/// of it they may just touch; double of it is twice as visible.
-const APART: f32 = 4.0;
 
 /// A point of an object's surface.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
-    point: Vec3,
-    normal: Vec3,
+    at: SurfacePoint,
     object: usize,
-}
-
-impl Sample {
-    /// How far rays that start here are moved off the surface: what is nearer is one with it to them.
-    fn offset(&self) -> f32 {
-        offset(self.point, self.normal).distance(self.point)
-    }
 }
 
 /// Warnings of the surfaces that `camera` sees in the scene of `job`, or that light these.
@@ -55,32 +45,60 @@ pub(super) fn warnings(
     let mut samples = seen(tracer, camera, geometry);
     samples.extend(lamps(scene, tracer, &samples));
     let mut behind: BTreeMap<usize, (BTreeSet<usize>, f32)> = BTreeMap::new();
-    for ([one, other], Overlap { points, offset }) in overlapping(scene, samples) {
+    for ([one, other], Overlap { points, clearance }) in overlapping(scene, samples) {
         if points >= AGREE {
             let area = |object: usize| area(&scene.objects[object].mesh);
             let (small, large) = if area(one) <= area(other) { (one, other) } else { (other, one) };
             let of_large = behind.entry(large).or_default();
             of_large.0.insert(small);
-            of_large.1 = of_large.1.max(offset);
+            of_large.1 = of_large.1.max(clearance);
         }
     }
     let mut found = Findings::default();
-    let name = |object: &usize| scene.objects[*object].name.as_str();
-    for (large, (small, offset)) in &behind {
-        let names: Vec<&str> = small.iter().map(name).collect();
-        let [lie, overlap, it] = match names[..] {
-            [_] => ["lies", "overlaps", "it"],
-            _ => ["lie", "overlap", "them"],
-        };
+    for (large, (small, clearance)) in &behind {
+        let (lie, it) = lie_in_the_plane(scene, *large, small);
         found.push(Gravity::Part, format!(
-            "{} {lie} in the plane of \"{}\" and {overlap} it: which of them is seen and gets light is random, and light is \
-             lost. Move {it} out by {} or more, or cut the other one away there",
-            some(&names),
-            name(large),
-            length(APART * offset),
+            "{lie}: which of them is seen and gets light is random, and light is lost. Move {it} out by {} or more, or cut \
+             the other one away there",
+            length(APART * clearance),
         ));
     }
+    found.extend(in_front(scene, tracer, geometry));
     found
+}
+
+/// What the picture shows, or what lights it, in front of another surface in whose plane it lies.
+fn in_front(scene: &Scene, tracer: &Tracer, geometry: &GeometryBuffers) -> Findings {
+    let shown: BTreeSet<usize> = geometry.pixels().iter().map(|p| p.object as usize).collect();
+    let mut before: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+    let counts = |object: &usize| {
+        shown.contains(object) || scene.groups[scene.objects[*object].group].is_emitter()
+    };
+    for InFront { object, of } in tracer.in_front().iter().filter(|it| counts(&it.object)) {
+        before.entry(*of).or_default().insert(*object);
+    }
+    let mut found = Findings::default();
+    for (large, small) in &before {
+        let (lie, _) = lie_in_the_plane(scene, *large, small);
+        found.push(Gravity::Note, format!("{lie}: the smaller is taken to lie in front"));
+    }
+    found
+}
+
+/// That objects lie in the plane of a larger one, and the word for them.
+fn lie_in_the_plane(
+    scene: &Scene,
+    large: usize,
+    small: &BTreeSet<usize>,
+) -> (String, &'static str) {
+    let name = |object: &usize| scene.objects[*object].name.as_str();
+    let names: Vec<&str> = small.iter().map(name).collect();
+    let [lie, overlap, it] = match names[..] {
+        [_] => ["lies", "overlaps", "it"],
+        _ => ["lie", "overlap", "them"],
+    };
+    let large = name(&large);
+    (format!("{} {lie} in the plane of \"{large}\" and {overlap} it", some(&names)), it)
 }
 
 /// Points of all objects that the picture shows.
@@ -93,8 +111,7 @@ fn seen(tracer: &Tracer, camera: &Camera, geometry: &GeometryBuffers) -> Vec<Sam
     }
     let point = |pixel: u32| {
         let surface = surface_behind(tracer, camera, (width, height), pixel)?;
-        let (point, normal) = (surface.point, surface.geometric_normal);
-        Some(Sample { point, normal, object: surface.object as usize })
+        Some(Sample { object: surface.object as usize, at: surface.into() })
     };
     let sample = |pixels: &Vec<u32>| unrender_recover::observe::blocks::spread(pixels, POINTS, 0);
     pixels.values().flat_map(sample).filter_map(point).collect()
@@ -103,11 +120,10 @@ fn seen(tracer: &Tracer, camera: &Camera, geometry: &GeometryBuffers) -> Vec<Sam
 /// Points of the fronts of area lights from which some of the points that are `seen` are free.
 fn lamps(scene: &Scene, tracer: &Tracer, seen: &[Sample]) -> Vec<Sample> {
     let step = seen.len().div_ceil(SEEN).max(1);
-    let shines = |(point, front): &SurfacePoint| {
-        let from = offset(*point, *front);
+    let shines = |from: &SurfacePoint| {
         seen.iter().step_by(step).any(|to| {
-            let way = to.point - from;
-            way.dot(*front) > 0.0 && is_free(tracer, from, offset(to.point, to.normal))
+            let way = to.at.point - from.point;
+            way.dot(from.normal) > 0.0 && is_free(tracer, from.start(), to.at.start())
         })
     };
     let lamps = scene.objects.iter().enumerate().filter(|(_, object)| {
@@ -116,7 +132,7 @@ fn lamps(scene: &Scene, tracer: &Tracer, seen: &[Sample]) -> Vec<Sample> {
     lamps
         .flat_map(|(object, lamp)| {
             let points = spread_over(&lamp.mesh, POINTS).into_iter().filter(shines);
-            points.map(move |(point, normal)| Sample { point, normal, object })
+            points.map(move |at| Sample { at, object })
         })
         .collect()
 }
@@ -126,20 +142,20 @@ fn lamps(scene: &Scene, tracer: &Tracer, seen: &[Sample]) -> Vec<Sample> {
 struct Overlap {
     /// Samples of the one that lie on the other.
     points: usize,
-    /// The greatest offset of rays there, metres.
-    offset: f32,
+    /// The greatest distance at which rays start off the surfaces there, metres.
+    clearance: f32,
 }
 
 impl Overlap {
     fn add(&mut self, other: Self) {
         self.points += other.points;
-        self.offset = self.offset.max(other.offset);
+        self.clearance = self.clearance.max(other.clearance);
     }
 }
 
 /// The pairs of objects of two groups of which `samples` of one lie on the other, the lower index first.
 fn overlapping(scene: &Scene, mut samples: Vec<Sample>) -> BTreeMap<[usize; 2], Overlap> {
-    samples.sort_by(|a, b| a.point.x.total_cmp(&b.point.x));
+    samples.sort_by(|a, b| a.at.point.x.total_cmp(&b.at.point.x));
     let of_object = |(index, object): (usize, &Object)| {
         let mut found: BTreeMap<[usize; 2], Overlap> = BTreeMap::new();
         let mut met = BTreeSet::new();
@@ -149,10 +165,10 @@ fn overlapping(scene: &Scene, mut samples: Vec<Sample>) -> BTreeMap<[usize; 2], 
                 let sample = &samples[number];
                 let is_other = scene.objects[sample.object].group != object.group;
                 // A point where triangles of one mesh meet counts once.
-                if is_other && lies_in(sample, &corners) && met.insert(number) {
+                if is_other && lies_in(&sample.at, &corners) && met.insert(number) {
                     let both = [index.min(sample.object), index.max(sample.object)];
-                    let offset = sample.offset();
-                    found.entry(both).or_default().add(Overlap { points: 1, offset });
+                    let clearance = sample.at.clearance.max(clearance(corners));
+                    found.entry(both).or_default().add(Overlap { points: 1, clearance });
                 }
             }
         }
@@ -170,23 +186,19 @@ fn overlapping(scene: &Scene, mut samples: Vec<Sample>) -> BTreeMap<[usize; 2], 
 fn near(samples: &[Sample], corners: &[Vec3; 3]) -> std::ops::Range<usize> {
     let [a, b, c] = *corners;
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-    let reach = within(low.abs().max(high.abs()));
-    let first = samples.partition_point(|sample| sample.point.x < low.x - reach);
-    let last = samples.partition_point(|sample| sample.point.x <= high.x + reach);
+    let reach = clearance(*corners);
+    let first = samples.partition_point(|sample| sample.at.point.x < low.x - reach);
+    let last = samples.partition_point(|sample| sample.at.point.x <= high.x + reach);
     first..last.max(first)
 }
 
-/// More than the offset of any ray at points of these coordinates.
-fn within(point: Vec3) -> f32 {
-    offset(point, Vec3::ONE).distance(point)
-}
-
 /// Whether a point lies inside a triangle, as far as rays can tell.
-fn lies_in(sample: &Sample, [a, b, c]: &[Vec3; 3]) -> bool {
+fn lies_in(sample: &SurfacePoint, [a, b, c]: &[Vec3; 3]) -> bool {
     let (u, v, way) = (*b - *a, *c - *a, sample.point - *a);
     let across = u.cross(v);
     let Some(normal) = across.try_normalize() else { return false };
-    if way.dot(normal).abs() > sample.offset() || normal.dot(sample.normal).abs() < PARALLEL {
+    let near = sample.clearance.max(clearance([*a, *b, *c]));
+    if way.dot(normal).abs() > near || normal.dot(sample.normal).abs() < PARALLEL {
         return false;
     }
     let area = across.length();

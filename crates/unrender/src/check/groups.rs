@@ -3,6 +3,7 @@
 
 use super::finding::{Findings, Gravity};
 use super::identifiability::RoughnessCue;
+use super::uvs::UvFault;
 use super::{Subject, some};
 use serde::Serialize;
 use unrender_recover::{PixelStatus, Role};
@@ -46,6 +47,8 @@ pub struct GroupCheck {
     pub contrast: Option<[f32; 2]>,
     /// Whether all its meshes have texture coordinates.
     pub texture_coordinates: bool,
+    /// "uv overlaps" or "uv repeats", where they do and a texture is the average of all places that share a texel.
+    pub texture_fault: Option<&'static str>,
 }
 
 /// One entry per group.
@@ -79,6 +82,7 @@ fn one(subject: &Subject<'_>, group: usize) -> GroupCheck {
         contrast: identifiability.map(|p| [p.highlight, p.image]),
         texture_coordinates: of_group().count() > 0
             && of_group().all(|object| !object.mesh.uvs.is_empty()),
+        texture_fault: UvFault::of(&subject.job.scene, group).map(UvFault::word),
     }
 }
 

@@ -23,18 +23,14 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
             && !job.unknown_lights.contains(&index)
             && let Some(factor) = factor(subject, index)
         {
-            let (by, than) = if factor.value > 1.0 {
-                (factor.value, "brighter")
-            } else {
-                (factor.value.recip(), "darker")
-            };
-            let least = if factor.is_least { "at least " } else { "" };
             findings.push(
                 Gravity::All,
                 format!(
-                    "the photo shows lamp \"{}\" {least}{by:.1} times {than} than the scene has it: check its strength, the \
-                     exposure and the response, or let the recovery find it: [lights.{:?}] with unknown = true",
-                    group.name, group.name
+                    "the photo shows lamp \"{}\" {}: check its strength, the exposure and the response, or let the recovery \
+                     find it: [lights.{:?}] with unknown = true",
+                    group.name,
+                    factor.in_words(),
+                    group.name
                 ),
             );
         }
@@ -47,6 +43,21 @@ struct Factor {
     value: f32,
     /// Whether the photograph is clipped there, so that it may be more.
     is_least: bool,
+}
+
+impl Factor {
+    /// How the photograph shows the lamp.
+    fn in_words(&self) -> String {
+        let least = if self.is_least { "at least " } else { "" };
+        let than = "than the scene has it";
+        if self.value == 0.0 {
+            "black, and the scene has it shining".into()
+        } else if self.value > 1.0 {
+            format!("{least}{:.1} times brighter {than}", self.value)
+        } else {
+            format!("{least}{:.1} times darker {than}", self.value.recip())
+        }
+    }
 }
 
 /// That of the lamp of this group; none if it is as bright as it should be, or not seen well enough.
@@ -69,4 +80,17 @@ fn factor(subject: &Subject<'_>, group: usize) -> Option<Factor> {
     }
     let value = of(&observation.pixels_of_group[group])? / emission;
     (value.max(value.recip()) > FACTOR).then_some(Factor { value, is_least: false })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Factor;
+
+    #[test]
+    fn a_lamp_is_brighter_darker_or_black() {
+        let said = |value, is_least| Factor { value, is_least }.in_words();
+        assert_eq!(said(2.0, true), "at least 2.0 times brighter than the scene has it");
+        assert_eq!(said(0.5, false), "2.0 times darker than the scene has it");
+        assert_eq!(said(0.0, false), "black, and the scene has it shining");
+    }
 }

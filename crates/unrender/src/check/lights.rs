@@ -8,8 +8,8 @@ use super::{Subject, length, surface_behind};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::f32::consts::TAU;
-use unrender_render::accel::{Ray, offset};
-use unrender_render::surface::Frame;
+use unrender_render::accel::{Ray, clearance};
+use unrender_render::surface::{Frame, Surface};
 use unrender_render::{NOTHING, Tracer};
 use unrender_scene::{Light, LightKind, Mesh, Object};
 
@@ -47,8 +47,29 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
     found
 }
 
-/// A point of the picture and the normal on the viewer's side.
-pub(super) type SurfacePoint = (Vec3, Vec3);
+/// A point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SurfacePoint {
+    pub(super) point: Vec3,
+    /// Unit normal on the side that is looked at: the viewer's, or the front.
+    pub(super) normal: Vec3,
+    /// How far off the surface rays start, metres: what is nearer is one with it to them.
+    pub(super) clearance: f32,
+}
+
+impl SurfacePoint {
+    /// Where rays that leave it start.
+    pub(super) fn start(&self) -> Vec3 {
+        self.point + self.clearance * self.normal
+    }
+}
+
+impl From<Surface> for SurfacePoint {
+    fn from(surface: Surface) -> Self {
+        let Surface { point, geometric_normal: normal, clearance, .. } = surface;
+        Self { point, normal, clearance }
+    }
+}
 
 pub(super) fn seen_points(subject: &Subject<'_>) -> Vec<SurfacePoint> {
     let (geometry, camera) = (subject.geometry, &subject.registered.camera);
@@ -57,8 +78,7 @@ pub(super) fn seen_points(subject: &Subject<'_>) -> Vec<SurfacePoint> {
     let pixels: Vec<u32> = (0..(width * height) as u32).filter(is_seen).collect();
     let point = |pixel: u32| surface_behind(subject.tracer, camera, (width, height), pixel);
     let sample = unrender_recover::observe::blocks::spread(&pixels, POINTS, 0);
-    let surfaces = sample.into_iter().filter_map(point);
-    surfaces.map(|s| (offset(s.point, s.geometric_normal), s.geometric_normal)).collect()
+    sample.into_iter().filter_map(point).map(SurfacePoint::from).collect()
 }
 
 /// Whether nothing stands between two points.
@@ -77,13 +97,13 @@ fn area_light(
     let mut found = Findings::default();
     let tracer = subject.tracer;
     let points = spread_over(&lamp.mesh, AROUND);
-    let reaches = |i: usize, (to, normal): &SurfacePoint| {
+    let reaches = |i: usize, to: &SurfacePoint| {
         (0..FROM).any(|k| {
-            let (from, front) = points[(i * FROM + k) % points.len()];
-            let way = *to - from;
-            way.dot(front) > 0.0
-                && way.dot(*normal) < 0.0
-                && is_free(tracer, offset(from, front), *to)
+            let from = points[(i * FROM + k) % points.len()];
+            let way = to.point - from.point;
+            way.dot(from.normal) > 0.0
+                && way.dot(to.normal) < 0.0
+                && is_free(tracer, from.start(), to.start())
         })
     };
     let lights = seen.iter().enumerate().filter(|(i, seen)| reaches(*i, seen)).count();
@@ -137,7 +157,8 @@ pub(super) fn spread_over(mesh: &Mesh, count: usize) -> Vec<SurfacePoint> {
         let root = u.sqrt();
         let [a, b, c] = mesh.corners(triangle);
         let point = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
-        (point, normal(mesh, triangle).normalize_or_zero())
+        let normal = normal(mesh, triangle).normalize_or_zero();
+        SurfacePoint { point, normal, clearance: clearance([a, b, c]) }
     };
     (0..count).map(at).collect()
 }
@@ -155,12 +176,12 @@ pub(super) fn area(mesh: &Mesh) -> f32 {
 /// The first surface along a ray from each of `points`, in cosine-distributed directions about its
 /// normal.
 fn first_met(tracer: &Tracer, points: &[SurfacePoint]) -> Vec<Option<(f32, u32)>> {
-    let met = |(i, (point, front)): (usize, &SurfacePoint)| {
+    let met = |(i, from): (usize, &SurfacePoint)| {
         let (radius, angle) = ((GOLDEN * i as f32).fract().sqrt(), 0.414_213_6 * i as f32 * TAU);
         let (sin, cos) = angle.sin_cos();
         let local = Vec3::new(radius * cos, radius * sin, (1.0 - radius * radius).max(0.0).sqrt());
-        let frame = Frame::new(*front, front.any_orthonormal_vector(), true);
-        let origin = offset(*point, *front);
+        let frame = Frame::new(from.normal, from.normal.any_orthonormal_vector(), true);
+        let origin = from.start();
         let surface = tracer.surface(&Ray::new(origin, frame.world_from_local(local)))?;
         Some((surface.point.distance(origin), surface.object))
     };
@@ -206,10 +227,11 @@ fn small_light(subject: &Subject<'_>, light: &Light, seen: &[SurfacePoint]) -> F
     };
     let [low, high] = subject.bounds();
     let size = low.distance(high);
-    let lit = |(point, normal): &&SurfacePoint| {
-        let (wi, distance, irradiance) = light.kind.illuminate(*point);
-        let to = *point + wi * distance.min(2.0 * size);
-        irradiance.max_element() > 0.0 && wi.dot(*normal) > 0.0 && is_free(tracer, *point, to)
+    let lit = |at: &&SurfacePoint| {
+        let from = at.start();
+        let (wi, distance, irradiance) = light.kind.illuminate(from);
+        let to = from + wi * distance.min(2.0 * size);
+        irradiance.max_element() > 0.0 && wi.dot(at.normal) > 0.0 && is_free(tracer, from, to)
     };
     let lights = seen.iter().filter(lit).count();
     let name = &light.name;

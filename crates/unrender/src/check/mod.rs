@@ -237,7 +237,7 @@ fn surface_behind(
 ) -> Option<Surface> {
     let (x, y) = (pixel as usize % width, pixel as usize / width);
     let towards = camera.direction(x as f32 + 0.5, y as f32 + 0.5, width, height);
-    tracer.surface(&Ray::new(camera.origin(), towards))
+    tracer.surface(&Ray::new(camera.start(towards), towards))
 }
 
 /// `names` in a sentence, no more than a few of them.

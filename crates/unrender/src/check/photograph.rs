@@ -47,6 +47,13 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
     let codes = &subject.job.picture;
     let graded =
         |gravity: Gravity, told: Option<String>| told.map(|sentence| Finding { gravity, sentence });
+    // Codes of integers explain any slope and brightness.
+    if let Some(sentence) = codes_of_integers(codes) {
+        return [Finding { gravity: Gravity::All, sentence }]
+            .into_iter()
+            .chain(clipped(subject))
+            .collect();
+    }
     let all = [
         graded(Gravity::All, slope(subject)),
         graded(Gravity::All, brightness(subject)),
@@ -62,6 +69,28 @@ fn measured(codes: &Picture) -> impl Iterator<Item = Rgb> {
     let measured = codes.measured();
     let values = codes.values.pixels().iter().copied().enumerate();
     values.filter(move |(index, _)| measured.pixels()[*index]).map(|(_, value)| value)
+}
+
+/// The warning of floating-point values that are the codes of an integer picture.
+fn codes_of_integers(codes: &Picture) -> Option<String> {
+    if codes.depth != Depth::Float {
+        return None;
+    }
+    let values = || measured(codes).flat_map(|value| value.to_array());
+    let greatest = values().fold(0.0, f32::max);
+    let is_code = |value: f32| value >= 0.0 && value.fract() == 0.0;
+    let white = [255u16, u16::MAX].into_iter().find(|white| greatest <= f32::from(*white))?;
+    // Zeros and ones are a drawing, which is right as it is.
+    if greatest <= 1.0 || !values().all(is_code) {
+        return None;
+    }
+    let bits = if white == 255 { 8 } else { 16 };
+    Some(format!(
+        "the photo's values look like codes of 0 to {white} of an integer picture: all are whole \
+         numbers, the greatest {greatest}, in a floating-point picture, where white is 1. Use the \
+         picture of {bits} bits itself (in Python an array of uint{bits}), or divide the values by \
+         {white} and state the response, mostly \"srgb\""
+    ))
 }
 
 /// The warning of a deep file with steps of 8 bits.

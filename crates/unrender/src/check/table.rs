@@ -55,7 +55,12 @@ fn row(group: &GroupCheck) -> [String; 7] {
         },
         group.lit.map_or_else(dash, percent),
         group.roughness.map_or_else(dash, str::to_owned),
-        if group.texture_coordinates { "possible" } else { "no uv" }.to_owned(),
+        match group.texture_fault {
+            _ if !group.texture_coordinates => "no uv",
+            Some(fault) => fault,
+            None => "possible",
+        }
+        .to_owned(),
     ]
 }
 

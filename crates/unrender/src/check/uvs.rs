@@ -12,28 +12,59 @@ const OVERLAP: f32 = 0.02;
 /// Coordinates are outside from here on; unwrapping leaves rounding.
 const OUTSIDE: f32 = 1e-3;
 
-/// The warning of the texture coordinates of the group with this index, for its recovered texture.
-pub(crate) fn doubt(scene: &Scene, group: usize) -> Option<String> {
-    let name = &scene.groups[group].name;
-    let meshes = scene.objects.iter().filter(|o| o.group == group).map(|o| &o.mesh);
-    let with_uvs = meshes.filter(|mesh| !mesh.uvs.is_empty());
-    let triangles: Vec<[Vec2; 3]> = with_uvs
-        .flat_map(|mesh| mesh.triangles.iter().map(|t| t.map(|i| mesh.uvs[i as usize])))
-        .collect();
-    let is_outside = |uv: &Vec2| uv.min_element() < -OUTSIDE || uv.max_element() > 1.0 + OUTSIDE;
-    let what = if triangles.iter().flatten().any(is_outside) {
-        "reach beyond 0 to 1, so that the texture repeats".to_owned()
-    } else {
-        let share = overlap(&triangles);
-        if share < OVERLAP {
-            return None;
+/// What is wrong with texture coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum UvFault {
+    /// They reach beyond the unit square, so that the texture repeats.
+    Repeat,
+    /// This share of the texture is used more than once.
+    Overlap(f32),
+}
+
+impl UvFault {
+    /// That of the group with this index; none if every place of its texture is used once, or it has no coordinates.
+    pub(crate) fn of(scene: &Scene, group: usize) -> Option<Self> {
+        let meshes = scene.objects.iter().filter(|o| o.group == group).map(|o| &o.mesh);
+        let with_uvs = meshes.filter(|mesh| !mesh.uvs.is_empty());
+        let triangles: Vec<[Vec2; 3]> = with_uvs
+            .flat_map(|mesh| mesh.triangles.iter().map(|t| t.map(|i| mesh.uvs[i as usize])))
+            .collect();
+        let is_outside =
+            |uv: &Vec2| uv.min_element() < -OUTSIDE || uv.max_element() > 1.0 + OUTSIDE;
+        if triangles.iter().flatten().any(is_outside) {
+            return Some(Self::Repeat);
         }
-        format!("overlap ({:.0} % of the texture is used more than once)", 100.0 * share)
+        Some(overlap(&triangles)).filter(|share| *share >= OVERLAP).map(Self::Overlap)
+    }
+
+    /// A word for tables.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Repeat => "uv repeats",
+            Self::Overlap(_) => "uv overlaps",
+        }
+    }
+
+    fn in_words(self) -> String {
+        match self {
+            Self::Repeat => "reach beyond 0 to 1, so that the texture repeats".to_owned(),
+            Self::Overlap(share) => {
+                format!("overlap ({:.0} % of the texture is used more than once)", 100.0 * share)
+            }
+        }
+    }
+}
+
+/// The warning of the texture coordinates of the group with this index, whose result has a texture or is doubtful.
+pub(crate) fn doubt(scene: &Scene, group: usize, is_textured: bool) -> Option<String> {
+    let (name, what) = (&scene.groups[group].name, UvFault::of(scene, group)?.in_words());
+    let so = if is_textured {
+        "its texture is the average of all places that share a texel: unwrap it without overlaps if they differ"
+    } else {
+        "a pattern that differs where they share a texel is no texture to them: unwrap it without overlaps if the photo \
+         shows one"
     };
-    Some(format!(
-        "group \"{name}\": its texture coordinates {what}; its texture is the average of all places \
-         that share a texel: unwrap it without overlaps if they differ"
-    ))
+    Some(format!("group \"{name}\": its texture coordinates {what}; {so}"))
 }
 
 /// The share of the covered cells that several triangles cover, by the centres of cells.
@@ -78,11 +109,15 @@ mod tests {
 
     #[test]
     fn overlaps_and_repetitions_are_reported() {
-        let noted = |charts: &[[f32; 4]]| doubt(&scene(charts), 0);
+        let noted = |charts: &[[f32; 4]]| doubt(&scene(charts), 0, true);
         assert_eq!(noted(&[[0.0, 0.0, 0.5, 1.0], [0.5, 0.0, 1.0, 1.0]]), None);
         assert!(noted(&[[0.0, 0.0, 2.0, 1.0]]).unwrap().contains("beyond"));
         let said = noted(&[[0.0, 0.0, 0.6, 1.0], [0.4, 0.0, 1.0, 1.0]]).unwrap();
         assert!(said.contains("overlap (20 %"), "{said}");
         assert_eq!(noted(&[]), None);
+        // Mirrored: both halves of a sofa in one half of the texture.
+        let mirrored = scene(&[[0.0, 0.0, 0.5, 1.0], [0.5, 0.0, 0.0, 1.0]]);
+        assert_eq!(UvFault::of(&mirrored, 0), Some(UvFault::Overlap(1.0)));
+        assert!(doubt(&mirrored, 0, false).unwrap().contains("no texture to them"));
     }
 }

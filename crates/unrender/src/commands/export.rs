@@ -2,14 +2,15 @@
 
 use crate::commands::render;
 use crate::converted::{Conversion, converted};
+use crate::edit::{EditSheet, Flag};
 use crate::global::Global;
 use crate::run::{self, Run};
 use crate::{Error, interrupt, job, output, result_folder};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::export::{self, SceneView, Target};
 use unrender_formats::{Input, LightUnits, Limits, gltf, materials};
-use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
+use unrender_scene::{Camera, Environment, Group, Material, Scene, WardModel, Warnings};
 
 /// Writes a scene and its materials for another program.
 ///
@@ -21,7 +22,8 @@ use unrender_scene::{Camera, Group, Material, Scene, WardModel, Warnings};
     unrender export result --to blender --out room_blender\n  \
     unrender export result --to gltf --out room.glb\n  \
     unrender export result --to mitsuba --camera door --height 1080 --out room_mitsuba\n  \
-    unrender export --scene room.glb --materials truth.json --to radiance --out room_radiance")]
+    unrender export --scene room.glb --materials truth.json --to radiance --out room_radiance\n  \
+    unrender export --scene room.glb --environment 'sky.exr: rotation_deg = 90' --to pbrt --out room_pbrt")]
 pub struct Args {
     /// The folder with the results of `recover`.
     #[arg(value_name = "DIR", required_unless_present = "scene", conflicts_with_all = ["scene", "materials"])]
@@ -36,6 +38,10 @@ pub struct Args {
     /// [default: as its generator writes them].
     #[arg(long, value_name = "UNITS", requires = "scene")]
     pub light_units: Option<LightUnits>,
+    /// Light the scene by a panorama instead of its own or the recovered environment:
+    /// 'FILE.exr: rotation_deg = 90, scale = 0.5'.
+    #[arg(long, value_name = "EDIT")]
+    pub environment: Option<String>,
     /// What to write: blender, gltf, materialx, mitsuba, pbrt or radiance.
     #[arg(long, value_name = "FORMAT")]
     pub to: Target,
@@ -115,8 +121,10 @@ fn expressed(scene: &Scene, target: Target) -> (Scene, Warnings) {
 /// Checks before the work that no input is replaced.
 fn check_inputs(args: &Args) -> Result<(), Error> {
     let of_results = |name: &str| args.results.as_ref().map(|folder| folder.join(name));
-    let inputs = [args.scene.clone(), args.materials.clone(), of_results("scene.glb")];
-    output::check_inputs(&args.out, inputs.iter().flatten().map(PathBuf::as_path))
+    let around = environment_sheet(args)?.map_or_else(Vec::new, |sheet| sheet.inputs());
+    let named = [args.scene.clone(), args.materials.clone(), of_results("scene.glb")];
+    let inputs: Vec<PathBuf> = named.into_iter().flatten().chain(around).collect();
+    output::check_inputs(&args.out, inputs.iter().map(PathBuf::as_path))
 }
 
 /// Prints on stderr how lobes were converted that the target does not have.
@@ -141,12 +149,6 @@ fn tell(scene: &Scene, conversions: &[Conversion], global: &Global) {
     }
 }
 
-/// The environment of the recovery in the folder of results, in words.
-fn folder_environment(args: &Args) -> Result<Option<String>, Error> {
-    let run = args.results.as_ref().map(|folder| folder.join(Run::FILE));
-    Ok(run.as_deref().map(run::recovered_environment).transpose()?.flatten())
-}
-
 fn scene_path(args: &Args) -> PathBuf {
     let of_results = args.results.as_ref().map(|folder| folder.join("scene.glb"));
     of_results.or_else(|| args.scene.clone()).unwrap_or_default()
@@ -167,27 +169,10 @@ fn light_units(args: &Args, limits: Limits) -> Result<LightUnits, Error> {
 
 /// The scene with its materials, the camera, and the size of its picture.
 fn input(args: &Args, global: &Global) -> Result<(Scene, Camera, (usize, usize), Warnings), Error> {
-    let limits = global.limits();
     let path = scene_path(args);
-    let materials = args.results.as_deref().or(args.materials.as_deref());
-    let materials = materials.map(result_folder::materials).transpose()?;
-    let source = Input::new(&path, limits).in_light_units(args.light_units);
-    let (mut scene, mut warnings) = match &global.scene {
-        Some(scene) => (Scene::clone(scene), Warnings::default()),
-        None => unrender_formats::load_scene(source)?,
-    };
-    if let Some(materials) = materials {
-        warnings.extend(materials::apply_from(Input::new(&materials, limits), &mut scene)?);
-    }
-    warnings.extend(job::validate(&mut scene, &path)?);
+    let (scene, mut warnings) = scene(args, global, &path)?;
     let run = args.results.as_ref().map(|folder| folder.join(Run::FILE));
     let run = run.filter(|_| args.camera.is_none());
-    if let Some(environment) = folder_environment(args)? {
-        warnings.push(format!(
-            "the recovery had an environment ({environment}), which is not exported: add it in the \
-             other program"
-        ));
-    }
     let used = run.as_deref().map(run::recovered_camera).transpose()?.flatten();
     let size = run.as_deref().map(run::recovered_size).transpose()?.flatten();
     let camera = match used {
@@ -203,4 +188,62 @@ fn input(args: &Args, global: &Global) -> Result<(Scene, Camera, (usize, usize),
         (_, width, height) => render::size(width, height, &camera)?,
     };
     Ok((scene, camera, size, warnings))
+}
+
+/// The scene with its materials and its environment: the one that is stated, else that of the recovery, else its own.
+fn scene(args: &Args, global: &Global, path: &Path) -> Result<(Scene, Warnings), Error> {
+    let limits = global.limits();
+    let materials = args.results.as_deref().or(args.materials.as_deref());
+    let materials = materials.map(result_folder::materials).transpose()?;
+    let source = Input::new(path, limits).in_light_units(args.light_units);
+    let (mut scene, mut warnings) = match &global.scene {
+        Some(scene) => (Scene::clone(scene), Warnings::default()),
+        // It may have no light: materials and meshes have a use without.
+        None => unrender_formats::load_model(source)?,
+    };
+    let run = args.results.as_ref().map(|folder| folder.join(Run::FILE));
+    scene.up = run.as_deref().map(run::recovered_up).transpose()?.unwrap_or_default();
+    let up = scene.up;
+    let stated = stated_environment(args, limits)?;
+    let folder = args.results.as_deref().filter(|_| stated.is_none());
+    let around = folder.map(|folder| run::recovered_environment(folder, limits)).transpose()?;
+    let around = around.unwrap_or_default();
+    warnings.extend(around.warnings);
+    let own = scene.environment.take();
+    scene.environment = around.environment.map(|around| around.with_up(up)).or(own);
+    if let Some(materials) = materials {
+        warnings.extend(materials::apply_from(Input::new(&materials, limits), &mut scene)?);
+    }
+    if let Some((environment, noted)) = stated {
+        scene.environment = environment.map(|around| around.with_up(up));
+        warnings.extend(noted);
+    }
+    warnings.extend(job::validate_meshes(&mut scene, path)?);
+    if let Some(environment) = around.lacking {
+        warnings.push(format!(
+            "the recovery had an environment ({environment}), which its older results do not hold and this export \
+             lacks: recover again, or state it by --environment"
+        ));
+    }
+    if let Some(folder) = folder.filter(|_| !args.to.has_environments()) {
+        let panorama = Some(folder.join(run::PANORAMA)).filter(|panorama| panorama.exists());
+        warnings.0.extend(panorama.map(|panorama| {
+            format!("the panorama of the recovery's environment is {}", panorama.display())
+        }));
+    }
+    Ok((scene, warnings))
+}
+
+/// The environment that is stated on the command line, and warnings of its panorama.
+fn stated_environment(
+    args: &Args,
+    limits: Limits,
+) -> Result<Option<(Option<Environment>, Warnings)>, Error> {
+    let sheet = environment_sheet(args)?;
+    sheet.map(|sheet| sheet.within(limits).environment()).transpose()
+}
+
+fn environment_sheet(args: &Args) -> Result<Option<EditSheet>, Error> {
+    let stated = args.environment.as_deref();
+    stated.map(|value| EditSheet::of_flag(Flag::Environment, value)).transpose()
 }

@@ -3,6 +3,7 @@
 use crate::check::Checkup;
 use crate::global::Global;
 use crate::proposed::{self, Proposed};
+use crate::shell_word::quoted;
 use crate::{Error, output};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -57,13 +58,11 @@ fn summary(proposed: &Proposed, out: &Path) -> String {
     let grave = |checkup: &Checkup| checkup.warnings.0[..checkup.grave].to_vec();
     let grave = proposed.checkup.as_ref().map(grave).unwrap_or_default();
     listed(&mut text, "Looks wrong", &grave);
-    let folder = out.with_extension("");
+    let word = |path: &Path| quoted(&path.to_string_lossy());
+    let (project, folder) = (word(out), word(&out.with_extension("")));
     let next = [
-        (format!("unrender check {path}"), "draws the model's edges over the photo"),
-        (
-            format!("unrender recover {path} --out {} --effort draft", folder.display()),
-            "a first result",
-        ),
+        (format!("unrender check {project}"), "draws the model's edges over the photo"),
+        (format!("unrender recover {project} --out {folder} --effort draft"), "a first result"),
     ];
     text.push_str("\nNext:\n");
     let wide = next.iter().map(|(command, _)| command.len()).max().unwrap_or(0);

@@ -288,8 +288,7 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
     let (mut scene, own, path, mut warnings) = match (given.scene, &args.project) {
         (Some(mut scene), _) => {
             let path = args.scene.clone().unwrap_or_default();
-            let invalid = |source| Error::Scene { path: path.clone(), source };
-            let warnings = scene.validate_meshes().map_err(invalid)?;
+            let warnings = job::validate_meshes(&mut scene, &path)?;
             (scene, None, path, warnings)
         }
         (None, Some(project)) => {
@@ -320,7 +319,7 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
         let path = Input::new(path, limits);
         let (environment, noted) =
             picture::read_environment(path, rotation_rad, args.environment_scale)?;
-        scene.environment = Some(environment);
+        scene.environment = Some(environment.with_up(scene.up));
         warnings.extend(noted);
     }
     warnings.extend(job::validate(&mut scene, &path)?);

@@ -113,9 +113,10 @@ pub struct Args {
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     check_denoise(args.denoise, &args.sampling)?;
     let sheets = sheets(args, global)?;
-    let restaging = Restaging::load(&sheets)?;
+    let inputs: Vec<PathBuf> = sheets.iter().flat_map(EditSheet::inputs).collect();
+    let restaging = Restaging::load(sheets)?;
     let photograph = photograph(args, &restaging)?;
-    let folder = folder(args, &sheets)?;
+    let folder = folder(args, &inputs)?;
     global.console.warn(&restaging.warnings);
     match photograph {
         Some(photograph) => composite(args, global, &restaging, photograph, &folder),
@@ -124,14 +125,13 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 }
 
 /// The folder of the results, in which no other file will be replaced.
-fn folder(args: &Args, sheets: &[EditSheet]) -> Result<ResultFolder, Error> {
+fn folder(args: &Args, inputs: &[PathBuf]) -> Result<ResultFolder, Error> {
     let part = args.sampling.samples.as_ref().map(part_name);
     let writes = |name: &str| match &part {
         Some(part) => name == part,
         None if args.composite => restaged::writes_composite(name),
         None => restaged::writes_synthetic(name, args.frames.as_ref()),
     };
-    let inputs: Vec<PathBuf> = sheets.iter().flat_map(EditSheet::inputs).collect();
     let inputs: Vec<&Path> = inputs.iter().map(PathBuf::as_path).collect();
     // Several processes write parts and pictures of a sequence to one folder.
     if args.frames.is_some() || part.is_some() {

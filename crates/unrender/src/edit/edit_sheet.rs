@@ -6,7 +6,7 @@ use crate::{Error, text_file};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use unrender_formats::{FileError, LightUnits, Limits};
-use unrender_scene::Scene;
+use unrender_scene::{Environment, Scene, Warnings};
 
 /// Edits as they are written, with the name of their place in messages.
 #[derive(Debug)]
@@ -14,6 +14,8 @@ pub struct EditSheet {
     /// Their file or flag.
     pub(super) written: Written,
     pub(super) raw: RawEdits,
+    /// The flag and its value, if it is one.
+    flag: Option<(Flag, String)>,
 }
 
 /// The flags that stand for one edit.
@@ -62,6 +64,25 @@ impl Flag {
     fn has_body(self) -> bool {
         matches!(self, Self::Repaint | Self::Light | Self::Insert | Self::Environment)
     }
+
+    /// Whether its value begins with the name of something in the scene.
+    fn names_a_part(self) -> bool {
+        matches!(self, Self::Remove | Self::Repaint | Self::Light)
+    }
+
+    /// The edit of the part or file called `name`, with the `body` that follows the colon.
+    fn edit(self, name: &str, body: Option<&str>) -> Result<RawEdits, toml::de::Error> {
+        let (_, head, tail) = self.forms();
+        let is_on = |word: &str| word.trim().eq_ignore_ascii_case("on");
+        let is_off = |word: &str| word.trim().eq_ignore_ascii_case("off");
+        let is_switch = |word: &str| self == Self::Light && (is_on(word) || is_off(word));
+        let body = match body {
+            Some(word) if is_switch(word) => format!(", on = {}", is_on(word)),
+            Some(body) => format!(", {body}"),
+            None => String::new(),
+        };
+        toml::from_str(&format!("{head}{}{body}{tail}", toml::Value::String(name.to_owned())))
+    }
 }
 
 impl EditSheet {
@@ -74,28 +95,62 @@ impl EditSheet {
         let raw = toml::from_str(&text).map_err(|error| {
             FileError::new(path, written::with_line(&text, error.span(), error.message()))
         })?;
-        Ok(Self { written: Written::of_file(path, text), raw })
+        Ok(Self { written: Written::of_file(path, text), raw, flag: None })
     }
 
-    /// The edit of a flag with this value.
+    /// The edit of a flag with this value. Where the value has several colons, its name ends at the first one that leaves
+    /// an edit; once the scene is read, its names tell better.
     ///
     /// # Errors
     /// If the value is not of the flag's form.
     pub fn of_flag(flag: Flag, value: &str) -> Result<Self, Error> {
-        let (written, head, tail) = flag.forms();
-        let is_on = |word: &str| word.trim().eq_ignore_ascii_case("on");
-        let is_off = |word: &str| word.trim().eq_ignore_ascii_case("off");
-        let is_switch = |word: &str| flag == Flag::Light && (is_on(word) || is_off(word));
-        let (name, body) = match value.split_once(": ").filter(|_| flag.has_body()) {
-            Some((name, word)) if is_switch(word) => (name, format!(", on = {}", is_on(word))),
-            Some((name, body)) => (name, format!(", {body}")),
-            None => (value, String::new()),
+        let (written, ..) = flag.forms();
+        let place = format!("{written} '{value}'");
+        let split = |(at, _): (usize, &str)| (&value[..at], Some(&value[at + 2..]));
+        let colons = value.match_indices(": ").filter(|_| flag.has_body()).map(split);
+        let mut splits: Vec<_> = colons.collect();
+        if splits.is_empty() {
+            splits.push((value, None));
+        }
+        let read = |(name, body): &(&str, Option<&str>)| flag.edit(name.trim(), *body);
+        let raw = splits.iter().find_map(|split| read(split).ok());
+        let raw = raw.map_or_else(|| read(&splits[0]), Ok).map_err(|error| {
+            let (name, body) = splits[0];
+            let read_as = body.map(|body| {
+                let name = name.trim();
+                format!(" (taken as \"{name}\", and `{body}` as its edit)")
+            });
+            Error::Request(format!("{place}: {}{}", error.message(), read_as.unwrap_or_default()))
+        })?;
+        let written = Written::of_flag(place);
+        Ok(Self { written, raw, flag: Some((flag, value.to_owned())) })
+    }
+
+    /// The same, with the longest name of `scene` that the value of its flag begins with, if there is one: names may hold
+    /// colons, and begin or end with blanks.
+    ///
+    /// # Errors
+    /// If what follows that name is no edit.
+    pub(super) fn with_names_of(mut self, scene: &Scene) -> Result<Self, Error> {
+        let Some((flag, value)) = self.flag.as_ref().filter(|(flag, _)| flag.names_a_part()) else {
+            return Ok(self);
         };
-        let text = format!("{head}{}{body}{tail}", toml::Value::String(name.trim().to_owned()));
-        let name = format!("{written} '{value}'");
-        let raw = toml::from_str(&text)
-            .map_err(|error| Error::Request(format!("{name}: {}", error.message())))?;
-        Ok(Self { written: Written::of_flag(name), raw })
+        let groups = scene.groups.iter().map(|group| &group.name);
+        let objects = scene.objects.iter().map(|object| &object.name);
+        let names = groups.chain(objects).chain(scene.lights.iter().map(|light| &light.name));
+        let rest = |name: &'_ String| {
+            let rest = value.strip_prefix(name.as_str())?;
+            let body = rest.trim_start().strip_prefix(':').filter(|_| flag.has_body());
+            (rest.is_empty() || body.is_some()).then_some((name.clone(), body))
+        };
+        let longest = names.filter_map(rest).max_by_key(|(name, _)| name.len());
+        if let Some((name, body)) = longest {
+            self.raw = flag.edit(&name, body).map_err(|error| {
+                let place = self.written.place(0..0);
+                Error::Request(format!("{place}: {}", error.message()))
+            })?;
+        }
+        Ok(self)
     }
 
     /// The same, with limits of reading its files.
@@ -116,6 +171,17 @@ impl EditSheet {
         self
     }
 
+    /// The environment that it states, and warnings of its panorama; none if it states none.
+    ///
+    /// # Errors
+    /// If its keys do not go together, or its panorama cannot be read.
+    pub(crate) fn environment(&self) -> Result<(Option<Environment>, Warnings), Error> {
+        let Some(raw) = &self.raw.environment else { return Ok((None, Warnings::default())) };
+        let read = raw.get_ref().stated(&|file| self.written.path(file), self.written.limits);
+        let place = self.written.place(raw.span());
+        read.map_err(|problem| Error::Request(format!("{place}: {problem}")))
+    }
+
     /// The files that it names, and itself.
     pub(crate) fn inputs(&self) -> Vec<PathBuf> {
         let raw = &self.raw;
@@ -134,6 +200,7 @@ impl EditSheet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use unrender_scene::{Light, Rgb};
 
     #[test]
     fn lights_are_switched_by_one_word() {
@@ -153,6 +220,39 @@ mod tests {
         assert!(of_light("on = false, strength = 3").is_err());
         assert!(
             of_light("on = true, add = \"point\", position = [0, 0, 0], strength = 3").is_err()
+        );
+    }
+
+    /// The names of lights, each in a flag of its own, after a look at a scene with lights of these names.
+    fn named(names: &[&str], value: &str) -> String {
+        let kind =
+            unrender_scene::LightKind::Point { position: glam::Vec3::ZERO, intensity: Rgb::ONE };
+        let light = |name: &&str| Light { name: (*name).to_owned(), kind };
+        let scene = Scene { lights: names.iter().map(light).collect(), ..Scene::default() };
+        let sheet = EditSheet::of_flag(Flag::Light, value).unwrap().with_names_of(&scene).unwrap();
+        sheet.raw.lights[0].get_ref().name.clone()
+    }
+
+    #[test]
+    fn the_longest_name_of_the_scene_is_meant() {
+        let names = ["Lamp", "Lamp: ceiling=1.001", " lead ", "Lamp: off", "sun: key.001"];
+        assert_eq!(named(&names, "Lamp: ceiling=1.001: scale = 0.5"), names[1]);
+        assert_eq!(named(&names, "Lamp: scale = 0.5"), names[0]);
+        assert_eq!(named(&names, " lead : off"), names[2]);
+        assert_eq!(named(&names, "Lamp: off: on"), names[3]);
+        assert_eq!(named(&names, "sun: key.001: scale = 0.5"), names[4]);
+        // Without such a name: what leaves an edit.
+        assert_eq!(named(&[], "Lamp: ceiling=1.001: scale = 0.5"), names[1]);
+        assert_eq!(named(&[], " lead : off"), "lead");
+    }
+
+    #[test]
+    fn what_a_flag_was_taken_for_is_said_where_it_is_no_edit() {
+        let error = EditSheet::of_flag(Flag::Repaint, "Floor: oak: rho = [1, 1]").unwrap_err();
+        let error = error.to_string();
+        assert!(
+            error.contains("(taken as \"Floor\", and `oak: rho = [1, 1]` as its edit)"),
+            "{error}"
         );
     }
 

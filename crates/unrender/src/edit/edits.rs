@@ -80,13 +80,7 @@ fn light(raw: &RawLight, start: &Start) -> Result<Option<Edit>, String> {
 }
 
 fn surround(raw: &RawEnvironment, written: &Written, notes: &mut Warnings) -> Result<Edit, String> {
-    if raw.unknown.is_some() {
-        return Err(
-            "environment: unknown is a key of project files only; state the environment".into()
-        );
-    }
-    let read = raw.choice(&|file| written.path(file))?.read(written.limits);
-    let (environment, warnings) = read.map_err(|error| error.to_string())?;
+    let (environment, warnings) = raw.stated(&|file| written.path(file), written.limits)?;
     notes.extend(warnings);
     Ok(Edit::Surround(Surround { environment }))
 }

@@ -60,7 +60,7 @@ impl RawInsert {
             (None, Some(at), None) => {
                 let group =
                     self.on.clone().ok_or("at = [x, z] needs on = \"GROUP\" to stand on")?;
-                Ok(Place::Onto { group, x: at.0.x, z: at.0.y })
+                Ok(Place::Onto { group, at: at.0.to_array() })
             }
             (None, None, Some(pixel)) => self
                 .seen_at(pixel, photograph.ok_or("pixel needs the photograph; name the project")?),

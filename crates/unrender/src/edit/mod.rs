@@ -11,6 +11,7 @@ mod edit_sheet;
 mod edits;
 mod insert;
 mod raw;
+mod raw_camera;
 mod remove;
 mod repaint;
 mod start;
@@ -56,8 +57,10 @@ impl Restaging {
     ///
     /// # Errors
     /// If a file cannot be used, or an edit does not fit the scene; the message names the line.
-    pub fn load(sheets: &[EditSheet]) -> Result<Self, Error> {
-        let (start, mut warnings) = Start::load(sheets)?;
+    pub fn load(sheets: Vec<EditSheet>) -> Result<Self, Error> {
+        let (start, mut warnings) = Start::load(&sheets)?;
+        let named = sheets.into_iter().map(|sheet| sheet.with_names_of(&start.scene));
+        let sheets = &named.collect::<Result<Vec<_>, Error>>()?[..];
         let edits = edits::all(sheets, &start, &mut warnings)?;
         let (places, edits): (Vec<String>, Vec<Edit>) = edits.into_iter().unzip();
         let mut after = start.switched(sheets);
@@ -69,6 +72,7 @@ impl Restaging {
             Error::Request(format!("nothing can be rendered after the edits: {error}"))
         })?;
         let view = view::choose(sheets, &start)?;
+        warnings.extend(view.doubts(&after));
         let sentences = words::sentences(&edits);
         Ok(Self { start, after, sentences, change, view, warnings })
     }

@@ -9,6 +9,7 @@ use crate::lighting::{RawEnvironment, RawLight};
 use serde::Deserialize;
 use std::path::PathBuf;
 use toml::{Spanned, Value};
+use unrender_scene::UpAxis;
 
 /// All keys of an edit file.
 #[derive(Debug, Default, Deserialize)]
@@ -18,6 +19,7 @@ pub(super) struct RawEdits {
     pub(super) project: Option<Spanned<PathBuf>>,
     pub(super) scene: Option<Spanned<PathBuf>>,
     pub(super) materials: Option<Spanned<PathBuf>>,
+    pub(super) up_axis: Option<UpAxis>,
     pub(super) camera: Option<Spanned<Value>>,
     pub(super) environment: Option<Spanned<RawEnvironment>>,
     #[serde(default)]

@@ -2,14 +2,15 @@
 
 use super::developed::Photograph;
 use super::edit_sheet::EditSheet;
+use super::raw_camera;
 use crate::project::CameraTable;
 use crate::result_folder::MATERIALS;
-use crate::{Error, Job, Project, job, result_folder, run};
+use crate::{Error, Job, Project, job, result_folder, run, up_axis};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
-use unrender_formats::{FileError, Input, LightUnits, Limits, materials};
+use unrender_formats::{FileError, Input, Limits, materials};
 use unrender_photo::Exposure;
-use unrender_scene::{Camera, Rgb, Scene, Warnings};
+use unrender_scene::{Camera, Environment, Rgb, Scene, UpAxis, Warnings};
 
 /// The scene before the edits.
 #[derive(Debug)]
@@ -60,17 +61,23 @@ impl Start {
                 "{place}: the project names its scene; give one of them"
             )));
         }
+        let up = sheets.iter().rev().find_map(|sheet| sheet.raw.up_axis);
         if let Some((path, ..)) = project {
-            return Self::of_project(
-                &path,
-                materials.as_deref(),
-                recovered.as_ref().map(|r| &*r.0),
-                limits,
-                light_units,
-            );
+            let recovered = recovered.as_ref().map(|r| &*r.0);
+            let (mut project, warnings) = Project::read(&path)?;
+            project.limits = limits;
+            project.light_units = light_units.or(project.light_units);
+            project.up_axis = up.unwrap_or(project.up_axis);
+            return Self::of_project(project, warnings, materials.as_deref(), recovered);
         }
-        let run = recovered.as_ref().filter(|_| scene.is_none()).map(|r| r.0.join("run.json"));
-        let around = run.map(|run| run::recovered_environment(&run)).transpose()?.flatten();
+        let folder = recovered.as_ref().filter(|_| scene.is_none()).map(|r| &*r.0);
+        let around = folder.map(|folder| run::recovered_environment(folder, limits));
+        let around = around.transpose()?.unwrap_or_default();
+        let of_run =
+            || folder.map(|folder| run::recovered_up(&folder.join("run.json"))).transpose();
+        let mut noted = Warnings::default();
+        let up = up.map_or_else(of_run, |up| Ok(Some(up)))?;
+        let up = up_axis::settled(up, raw_camera::up_axis(sheets), &mut noted);
         let given = scene.as_ref().and_then(|(_, sheet, _)| sheet.written.scene.as_deref());
         let scene = scene.map(|s| s.0).or(recovered.map(|(folder, ..)| folder.join("scene.glb")));
         let scene = scene.ok_or_else(|| {
@@ -81,10 +88,15 @@ impl Start {
             )
         })?;
         let source = Input::new(&scene, limits).in_light_units(light_units);
-        let (start, mut warnings) = Self::of_scene(source, given, materials.as_deref())?;
-        if let Some(environment) = around {
+        let mut warnings = around.warnings;
+        let around_scene = around.environment;
+        let (start, told) =
+            Self::of_scene(source, given, (around_scene, up), materials.as_deref())?;
+        warnings.extend(noted);
+        warnings.extend(told);
+        if let Some(environment) = around.lacking {
             warnings.push(format!(
-                "the recovery had an environment ({environment}), which scene.glb does not hold: \
+                "the recovery had an environment ({environment}), which its older results do not hold: \
                  give project = \"PROJECT.toml\", or the environment again"
             ));
         }
@@ -115,35 +127,37 @@ impl Start {
         scene
     }
 
-    /// The scene in a file, or the one that is `given` instead.
+    /// The scene in a file, or the one that is `given` instead; in the environment `around` it, if that is not the
+    /// scene's own.
     fn of_scene(
         source: Input<'_>,
         given: Option<&Scene>,
+        (around, up): (Option<Environment>, UpAxis),
         materials: Option<&Path>,
     ) -> Result<(Self, Warnings), Error> {
         let Input { path, limits, .. } = source;
         let (mut scene, mut warnings) = match given {
             Some(scene) => (scene.clone(), Warnings::default()),
-            None => unrender_formats::load_scene(source)?,
+            // Its light may be all around it, or that of the edits.
+            None => unrender_formats::load_model(source)?,
         };
+        scene.up = up;
+        let around = around.map(|around| around.with_up(up));
+        scene.environment = around.or(scene.environment.take());
         if let Some(materials) = materials {
             let materials = Input::new(materials, limits);
             warnings.extend(materials::apply_from(materials, &mut scene)?);
         }
-        warnings.extend(job::validate(&mut scene, path)?);
+        warnings.extend(job::validate_meshes(&mut scene, path)?);
         Ok((Self { scene, path: path.to_owned(), photograph: None, off: Vec::new() }, warnings))
     }
 
     fn of_project(
-        path: &Path,
+        project: Project,
+        warnings: Warnings,
         materials: Option<&Path>,
         recovered: Option<&Path>,
-        limits: Limits,
-        light_units: Option<LightUnits>,
     ) -> Result<(Self, Warnings), Error> {
-        let (mut project, warnings) = Project::read(path)?;
-        project.limits = limits;
-        project.light_units = light_units.or(project.light_units);
         let Job {
             mut scene,
             mut camera,
@@ -157,7 +171,7 @@ impl Start {
         } = Job::load(project, warnings)?;
         let mut found = None;
         if let Some(materials) = materials {
-            let input = Input::new(materials, limits);
+            let input = Input::new(materials, project.limits);
             warnings.extend(materials::apply_from(input, &mut scene)?);
             found = materials::read(input)?.exposure.map(Rgb::from_array);
         }
@@ -168,7 +182,10 @@ impl Start {
         }
         if project.exposure == Exposure::Auto {
             let found = found.ok_or_else(|| {
-                FileError::new(path, "exposure is \"auto\"; name the recovery that found it")
+                FileError::new(
+                    &project.path,
+                    "exposure is \"auto\"; name the recovery that found it",
+                )
             })?;
             for values in [&mut photo.radiance, &mut photo.quantisation_step] {
                 values.pixels_mut().iter_mut().for_each(|value| *value *= found);

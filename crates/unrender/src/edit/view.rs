@@ -1,38 +1,12 @@
 //! The cameras of the new pictures.
 
 use super::edit_sheet::EditSheet;
+use super::raw_camera::{RawCamera, RawKey};
 use super::start::Start;
-use crate::toml_values::{Direction, Finite, Place, Positive};
 use crate::{Error, job};
-use glam::Vec3;
-use serde::Deserialize;
 use toml::Value;
-use unrender_restage::camera::{Key, Path};
-use unrender_scene::{Camera, Lens};
-
-/// The table `[camera]` as in TOML.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawCamera {
-    eye: Option<Place>,
-    target: Option<Place>,
-    up: Option<Direction>,
-    fov_y_deg: Option<Positive>,
-    #[serde(default)]
-    keys: Vec<RawKey>,
-    frames: Option<usize>,
-}
-
-/// One entry of `[[camera.keys]]`.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RawKey {
-    time: Option<Finite>,
-    eye: Place,
-    target: Place,
-    up: Option<Direction>,
-    fov_y_deg: Option<Positive>,
-}
+use unrender_restage::camera::{Key, Path, goes_through};
+use unrender_scene::{Camera, Lens, Scene, Warnings};
 
 /// The cameras of the new pictures.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +26,21 @@ impl View {
             Self::Photograph(camera) | Self::Other(camera, _) => std::slice::from_ref(camera),
             Self::Sequence(cameras, _) => cameras,
         }
+    }
+
+    /// A warning if the camera of a sequence goes through a surface of `scene`.
+    pub(super) fn doubts(&self, scene: &Scene) -> Warnings {
+        let mut warnings = Warnings::default();
+        let Self::Sequence(cameras, place) = self else { return warnings };
+        if let Some((picture, object)) = goes_through(scene, cameras) {
+            warnings.push(format!(
+                "{place}: camera: between the pictures {picture} and {} it goes through \"{}\"; a key between them keeps it \
+                 on its side",
+                picture + 1,
+                scene.objects[object].name
+            ));
+        }
+        warnings
     }
 }
 
@@ -96,7 +85,7 @@ fn placed(raw: RawCamera, start: &Start) -> Result<Vec<Camera>, String> {
     let usual = of_photograph.or(start.scene.cameras.first());
     let fov = raw.fov_y_deg.map(|fov| fov.0);
     let fov = fov.or(usual.map(|c| c.fov_y_rad.to_degrees()));
-    let up = raw.up.map_or(Vec3::Y, |up| up.0);
+    let up = raw.up.map_or(start.scene.up.unit(), |up| up.0);
     let single = match (raw.eye, raw.target) {
         (Some(eye), Some(target)) => {
             Some(RawKey { time: None, eye, target, up: None, fov_y_deg: None })

@@ -77,9 +77,10 @@ fn ring(of: &RecoveredJob) -> Vec<Candidate> {
     let Some(centre) = centre(of) else { return Vec::new() };
     let first = &of.registered[0].camera;
     let arm = first.origin() - centre;
+    let up = of.job.scene.up.unit();
     let right = first.world_from_camera.transform_vector3(Vec3::X).normalize();
     let place = |&(aside, upwards): &(f32, f32)| {
-        let turn = Quat::from_axis_angle(Vec3::Y, aside.to_radians())
+        let turn = Quat::from_axis_angle(up, aside.to_radians())
             * Quat::from_axis_angle(right, -upwards.to_radians());
         let (name, angle) = match (aside, upwards) {
             (a, _) if a > 0.0 => ("to the right", a),
@@ -88,7 +89,7 @@ fn ring(of: &RecoveredJob) -> Vec<Candidate> {
             (_, u) => ("lower", -u),
         };
         let eye = centre + turn * arm;
-        let camera = Camera::look_at("plan", eye, centre, Vec3::Y, first.fov_y_rad);
+        let camera = Camera::look_at("plan", eye, centre, up, first.fov_y_rad);
         let camera = Camera { aspect: first.aspect, ..camera };
         let name = format!("{angle:.0} degrees {name}");
         Candidate { name, camera, off: of.job.off.clone() }

@@ -2,6 +2,7 @@
 //! keeps everything else.
 
 use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 use toml_edit::{Array, DocumentMut, Item, Table, Value};
 use unrender_formats::FileError;
@@ -9,7 +10,7 @@ use unrender_scene::origin::in_digits;
 use unrender_scene::{Camera, Lens};
 
 /// A camera as in the project file; reading a written one gives the same bits.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CameraTable {
     /// The camera's centre in the world of the scene's file, metres.
     pub eye: DVec3,
@@ -21,10 +22,12 @@ pub struct CameraTable {
     pub fov_y_deg: f32,
     /// Principal point and distortion.
     pub lens: Lens,
+    /// The depth from which on things are seen, metres; zero where nothing is cut away.
+    pub near: f32,
 }
 
 /// Where a camera stands and looks, in the world of the scene's file.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Stand {
     /// The camera's centre, metres.
     pub eye: DVec3,
@@ -32,13 +35,16 @@ pub struct Stand {
     pub target: DVec3,
     /// Upwards in the picture, not along the line of sight.
     pub up: Vec3,
+    /// The depth from which on things are seen, metres; zero where nothing is cut away.
+    pub near: f32,
 }
 
 impl Stand {
     /// The camera that stands there, called `name`, its position counted from `origin`.
     pub fn camera(&self, name: &str, origin: DVec3, fov_y_rad: f32) -> Camera {
         let [eye, target] = [self.eye, self.target].map(|place| (place - origin).as_vec3());
-        Camera::look_at(name, eye, target, self.up, fov_y_rad)
+        let camera = Camera::look_at(name, eye, target, self.up, fov_y_rad);
+        Camera { near: self.near, ..camera }
     }
 }
 
@@ -61,12 +67,14 @@ impl CameraTable {
             up: axes.y_axis.into(),
             fov_y_deg: camera.fov_y_rad.to_degrees(),
             lens: camera.lens,
+            near: camera.near,
         }
     }
 
     /// The camera, called `name`, its position counted from `origin`.
     pub fn camera(&self, name: &str, origin: DVec3) -> Camera {
-        let stand = Stand { eye: self.eye, target: self.target, up: self.up };
+        let Self { eye, target, up, near, .. } = *self;
+        let stand = Stand { eye, target, up, near };
         let camera = stand.camera(name, origin, self.fov_y_deg.to_radians());
         Camera { lens: self.lens, ..camera }
     }
@@ -110,6 +118,7 @@ impl CameraTable {
         let rare = |k: f32| (k != 0.0).then(|| number(k));
         let terms = [("k1", bend(k1)), ("k2", bend(k2)), ("k3", rare(k3))];
         let terms = terms.into_iter().chain([("p1", rare(p1)), ("p2", rare(p2))]);
+        let terms = terms.chain([("near", rare(self.near))]);
         let others = OTHER_FORMS.map(|key| (key, None));
         let optional = [("principal_point", shift), ("fx_over_fy", ratio)].into_iter();
         for (key, value) in optional.chain(terms).chain(others) {
@@ -167,6 +176,7 @@ mod tests {
             up: Vec3::new(0.01, 0.99, -0.1),
             fov_y_deg: 39.6,
             lens: Lens { principal_point: [0.01, -0.02], k1: -0.1, ..Lens::default() },
+            near: 0.0,
         }
     }
 

@@ -3,16 +3,17 @@
 use super::raw::RawCamera;
 use super::{CameraTable, Stand};
 use glam::{DAffine3, DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::Value;
 use unrender_formats::cameras::{self, Intrinsics, Pixels, colmap};
-use unrender_scene::Lens;
+use unrender_scene::{Lens, UpAxis};
 
 /// The name of a project's camera in messages.
 pub(super) const NAME: &str = "project";
 
 /// Which camera took the photograph.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum CameraChoice {
     /// The scene's first.
     First,
@@ -32,7 +33,7 @@ pub enum CameraChoice {
 }
 
 /// A camera in the file of another program.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CalibratedCamera {
     /// The file.
     pub file: CameraFile,
@@ -48,7 +49,7 @@ pub struct CalibratedCamera {
 }
 
 /// The file of another program, and which of its cameras it is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum CameraFile {
     /// By OpenCV.
     Opencv {
@@ -69,6 +70,16 @@ pub enum CameraFile {
 }
 
 impl CameraChoice {
+    /// The axis of the scene that its pose says points upwards, if the project states the pose.
+    pub(super) fn up_axis(&self) -> Option<UpAxis> {
+        let (eye, target, up) = match self {
+            Self::Placed(CameraTable { eye, target, up, .. }) => (eye, target, up),
+            Self::InPixels { stand: Stand { eye, target, up, .. }, .. } => (eye, target, up),
+            Self::First | Self::Named(_) | Self::Calibrated(_) => return None,
+        };
+        UpAxis::of_camera((*target - *eye).as_vec3().normalize_or_zero(), up.normalize_or_zero())
+    }
+
     /// The files that it names, with their key.
     pub(super) fn files(&self) -> Vec<(&'static str, &Path)> {
         let Self::Calibrated(calibrated) = self else { return vec![] };
@@ -82,8 +93,12 @@ impl CameraChoice {
 }
 
 /// The key `camera`; files are relative to `folder`, and an image of COLMAP has the name of `photo`
-/// by default.
-pub(super) fn parse(value: Value, folder: &Path, photo: &Path) -> Result<CameraChoice, String> {
+/// by default; `up` is upwards in the picture if the table does not say it.
+pub(super) fn parse(
+    value: Value,
+    (folder, photo): (&Path, &Path),
+    up: UpAxis,
+) -> Result<CameraChoice, String> {
     let table = match value {
         Value::String(name) => return Ok(CameraChoice::Named(name)),
         Value::Table(table) => table,
@@ -93,8 +108,8 @@ pub(super) fn parse(value: Value, folder: &Path, photo: &Path) -> Result<CameraC
         .try_into()
         .map_err(|error: toml::de::Error| format!("camera: {}", error.message()))?;
     match file(&raw, folder, photo)? {
-        Some(file) => calibrated(&raw, file).map(CameraChoice::Calibrated),
-        None => described(&raw),
+        Some(file) => calibrated(&raw, file, up).map(CameraChoice::Calibrated),
+        None => described(&raw, up),
     }
 }
 
@@ -119,7 +134,7 @@ fn file(raw: &RawCamera, folder: &Path, photo: &Path) -> Result<Option<CameraFil
     }
 }
 
-fn calibrated(raw: &RawCamera, file: CameraFile) -> Result<CalibratedCamera, String> {
+fn calibrated(raw: &RawCamera, file: CameraFile, up: UpAxis) -> Result<CalibratedCamera, String> {
     let stated = [
         ("fov_y_deg", raw.fov_y_deg.is_some()),
         ("principal_point", raw.principal_point.is_some()),
@@ -163,7 +178,7 @@ fn calibrated(raw: &RawCamera, file: CameraFile) -> Result<CalibratedCamera, Str
     Ok(CalibratedCamera {
         file,
         scene_from_world: scene_from_world(raw.scene_from_world.as_ref())?,
-        stand: if has_pose { Some(stand(raw)?) } else { None },
+        stand: if has_pose { Some(stand(raw, up)?) } else { None },
         crop: raw.crop,
         pixels: raw.pixels.as_deref().map(which_pixels).transpose()?,
     })
@@ -203,7 +218,7 @@ fn scene_from_world(value: Option<&Value>) -> Result<DAffine3, String> {
 }
 
 /// A camera in the project's own numbers.
-fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
+fn described(raw: &RawCamera, up: UpAxis) -> Result<CameraChoice, String> {
     let of_files = [
         ("scene_from_world", raw.scene_from_world.is_some()),
         ("crop", raw.crop.is_some()),
@@ -221,8 +236,8 @@ fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
             if !(fov_y_deg > 0.0 && fov_y_deg < 180.0) {
                 return Err(format!("camera.fov_y_deg is {fov_y_deg}; it is between 0 and 180"));
             }
-            let Stand { eye, target, up } = stand(raw)?;
-            Ok(CameraChoice::Placed(CameraTable { eye, target, up, fov_y_deg, lens }))
+            let Stand { eye, target, up, near } = stand(raw, up)?;
+            Ok(CameraChoice::Placed(CameraTable { eye, target, up, fov_y_deg, lens, near }))
         }
         (None, [Some(fx), Some(fy), Some(cx), Some(cy)]) => {
             if raw.principal_point.is_some() || raw.fx_over_fy.is_some() {
@@ -240,7 +255,7 @@ fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
             }
             let distortion = [lens.k1, lens.k2, lens.p1, lens.p2, lens.k3].map(f64::from);
             let intrinsics = Intrinsics { fx, fy, cx, cy, distortion, size: None };
-            Ok(CameraChoice::InPixels { stand: stand(raw)?, intrinsics })
+            Ok(CameraChoice::InPixels { stand: stand(raw, up)?, intrinsics })
         }
         _ => Err("camera: give eye and target with fov_y_deg or with all of fx, fy, cx, cy; or a \
                   file, by opencv or colmap"
@@ -249,14 +264,14 @@ fn described(raw: &RawCamera) -> Result<CameraChoice, String> {
 }
 
 /// The camera's centre, its target and upwards.
-fn stand(raw: &RawCamera) -> Result<Stand, String> {
+fn stand(raw: &RawCamera, usual: UpAxis) -> Result<Stand, String> {
     let (Some(eye), Some(target)) = (raw.eye, raw.target) else {
         return Err(
             "camera: eye and target are missing: give where it stood, and a point ahead".into()
         );
     };
     let [eye, target] = [eye, target].map(DVec3::from_array);
-    let up = Vec3::from_array(raw.up.unwrap_or([0.0, 1.0, 0.0]));
+    let up = raw.up.map_or(usual.unit(), Vec3::from_array);
     let are_finite = [eye, target].iter().all(|place| place.as_vec3().is_finite());
     if !(are_finite && up.is_finite()) || eye == target {
         return Err("camera: eye and target must be two points".into());
@@ -266,7 +281,11 @@ fn stand(raw: &RawCamera) -> Result<Stand, String> {
     if sideways.length() < 1e-4 {
         return Err("camera.up: it must not point along the line of sight".into());
     }
-    Ok(Stand { eye, target, up })
+    let near = raw.near.unwrap_or_default();
+    if !(near.is_finite() && near >= 0.0) {
+        return Err(format!("camera.near is {near}; it is a depth in metres, zero or more"));
+    }
+    Ok(Stand { eye, target, up, near })
 }
 
 fn lens(raw: &RawCamera) -> Result<Lens, String> {

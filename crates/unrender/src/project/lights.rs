@@ -7,6 +7,7 @@
 use super::{Anchor, Project, some_names};
 use crate::lighting::RawLight;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use unrender_formats::FileError;
 use unrender_photo::Exposure;
@@ -15,7 +16,7 @@ use unrender_restage::light::LightChange;
 use unrender_scene::{Rgb, Scene, Source, Warnings};
 
 /// The colour of an unknown light.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum LightColor {
     /// This one, at any brightness.
     Stated(Rgb),
@@ -72,6 +73,7 @@ impl Project {
     /// # Errors
     /// If a light does not exist, or exists already, or the panorama cannot be read.
     pub fn light(&self, scene: &mut Scene) -> Result<Warnings, FileError> {
+        scene.up = self.up_axis;
         let edits: Vec<Edit> = self.light_edits.iter().cloned().map(Edit::Light).collect();
         let mut change = unrender_restage::apply(scene, &edits).map_err(|error| {
             let name = &self.light_edits[error.edit].name;
@@ -81,7 +83,7 @@ impl Project {
         color_lights(self, scene).map_err(|problem| FileError::new(&self.path, problem))?;
         if let Some(choice) = &self.environment {
             let (environment, noted) = choice.read(self.limits)?;
-            scene.environment = environment;
+            scene.environment = environment.map(|around| around.with_up(scene.up));
             warnings.extend(noted);
         }
         Ok(warnings)

@@ -1,6 +1,7 @@
 //! The key `like`: groups whose materials are about the same.
 
 use super::raw::{RawGroup, RawLike};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The default of `within`: the relative difference between similar groups. Half of it is the difference of
@@ -8,7 +9,7 @@ use std::collections::BTreeMap;
 const WITHIN: f32 = 0.1;
 
 /// The group that another one is like.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LikeGroup {
     /// Its name.
     pub group: String,

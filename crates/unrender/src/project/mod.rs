@@ -28,6 +28,7 @@ pub use taken::{Switched, Taken};
 
 use crate::lighting::EnvironmentChoice;
 use crate::text_file;
+use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use unrender_formats::materials::ReflectanceEntry;
@@ -35,10 +36,10 @@ use unrender_formats::{FileError, Input, LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::{Expected, Thresholds};
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Hypothesis, Layering, Material, Rgb, Scene, Warnings};
+use unrender_scene::{BrdfModel, Hypothesis, Layering, Material, Rgb, Scene, UpAxis, Warnings};
 
 /// A project file with absolute paths and checked numbers.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Project {
     /// The project file itself.
     pub path: PathBuf,
@@ -104,12 +105,14 @@ pub struct Project {
     pub further: Vec<Taken>,
     /// The units of the scene's lights, if the project states them.
     pub light_units: Option<LightUnits>,
+    /// Which axis of the scene points upwards: as stated, or as the camera says.
+    pub up_axis: UpAxis,
     /// The limits of reading the files that it names; not a key of the file.
     pub limits: Limits,
 }
 
 /// A group whose diffuse reflectance fixes the scale of exposure and lights.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Anchor {
     /// The group's name.
     pub group: String,
@@ -118,13 +121,14 @@ pub struct Anchor {
 }
 
 /// A known material in the project; parts that are left out do not exist: no texture, no lobe.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Known {
     /// Diffuse reflectance.
     pub rho_d: Rgb,
     /// Specular reflectance; none if it is not stated.
     pub rho_s: Option<Rgb>,
     /// What `rho_s` means.
+    #[serde(with = "crate::as_json")]
     pub reflectance: ReflectanceEntry,
     /// Roughness along the anisotropy direction.
     pub alpha_x: f32,
@@ -317,7 +321,7 @@ fn files_of<'a>(
 }
 
 /// Up to a dozen names for a message.
-fn some_names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+pub(crate) fn some_names<'a>(names: impl Iterator<Item = &'a str>) -> String {
     const SHOWN: usize = 12;
     let names: Vec<&str> = names.collect();
     match names.len() {

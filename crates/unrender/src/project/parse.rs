@@ -4,6 +4,7 @@ use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
 use super::values::reflectance;
 use super::{Anchor, Known, Project, expected, lights, like, rungs, taken};
 use crate::lighting::RawLight;
+use crate::up_axis;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use toml::Value;
@@ -22,6 +23,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
     let anchor = raw.anchor.as_ref().map(anchor).transpose()?;
     let mut taken = taken::all(&raw, folder, anchor.is_some(), &mut warnings)?;
     let first = taken.remove(0);
+    let up_axis = up_axis::settled(raw.up_axis, first.camera.up_axis(), &mut warnings);
     let is_around_unknown = raw.environment.as_ref().is_some_and(|table| table.is_unknown());
     let any_light_unknown =
         is_around_unknown || raw.lights.unknown.iter().any(|(_, unknown)| *unknown);
@@ -90,6 +92,7 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         like,
         same_as,
         light_units: light_units.map_err(|problem| format!("light_units: {problem}"))?,
+        up_axis,
         limits: Limits::default(),
     };
     Ok((project, warnings))

@@ -3,13 +3,14 @@
 
 use super::raw::{RawBracket, RawPhoto};
 use super::values::{number, triple};
+use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use toml::Value;
 use unrender_photo::{Response, vignetting};
 use unrender_scene::Rgb;
 
 /// The response of the photograph.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum ResponseChoice {
     /// By a curve with a name or by a gamma.
     Stated(Response),
@@ -20,7 +21,7 @@ pub enum ResponseChoice {
 }
 
 /// The vignetting of the photograph.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum VignettingChoice {
     /// By this law.
     Stated(vignetting::Law),
@@ -29,7 +30,7 @@ pub enum VignettingChoice {
 }
 
 /// The photographs of a bracket of exposures.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
     /// Their files.
     pub files: Vec<PathBuf>,

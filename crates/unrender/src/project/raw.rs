@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 use toml::Value;
+use unrender_scene::UpAxis;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -32,6 +33,7 @@ pub(super) struct RawProject {
     #[serde(default)]
     pub(super) recover: RawRecover,
     pub(super) light_units: Option<String>,
+    pub(super) up_axis: Option<UpAxis>,
 }
 
 /// The keys of a photograph: at the top of a project, or in an entry of `[[photos]]`.
@@ -301,6 +303,7 @@ pub(super) struct RawCamera {
     pub(super) target: Option<[f64; 3]>,
     pub(super) up: Option<[f32; 3]>,
     pub(super) fov_y_deg: Option<f32>,
+    pub(super) near: Option<f32>,
     pub(super) principal_point: Option<[f32; 2]>,
     pub(super) fx_over_fy: Option<f32>,
     pub(super) fx: Option<f64>,

@@ -4,14 +4,15 @@ use super::raw::{RawProject, RawShot};
 use super::values::triple;
 use super::{CameraChoice, Frames, Project, ResponseChoice, VignettingChoice};
 use super::{camera_choice, photograph};
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use toml::Value;
 use unrender_photo::Exposure;
-use unrender_scene::{Rgb, Scene, Warnings};
+use unrender_scene::{Rgb, Scene, UpAxis, Warnings};
 
 /// One photograph and how it was taken.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Taken {
     /// As [`Project::photo`].
     pub photo: PathBuf,
@@ -37,7 +38,7 @@ pub struct Taken {
 }
 
 /// The lights that were switched for a photograph, by their names.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Switched {
     /// These are off.
     Off(BTreeSet<String>),
@@ -130,7 +131,7 @@ pub(super) fn all(
     is_anchored: bool,
     warnings: &mut Warnings,
 ) -> Result<Vec<Taken>, String> {
-    let top = raw.top();
+    let (top, up) = (raw.top(), raw.up_axis.unwrap_or_default());
     let is_list = !raw.photos.is_empty();
     if raw.photos.len() > PHOTOGRAPHS_MAX {
         return Err(format!(
@@ -154,7 +155,7 @@ pub(super) fn all(
         warnings.push("the project states no exposure; 1.0 was taken");
     }
     let read = |(k, shot): (usize, &RawShot)| {
-        let taken = taken(shot, folder, is_anchored, k > 0);
+        let taken = taken(shot, folder, is_anchored, (k > 0, up));
         taken.map_err(|problem| {
             if is_list { format!("photos, number {}: {problem}", k + 1) } else { problem }
         })
@@ -175,7 +176,7 @@ fn taken(
     raw: &RawShot,
     folder: &Path,
     is_anchored: bool,
-    is_further: bool,
+    (is_further, up): (bool, UpAxis),
 ) -> Result<Taken, String> {
     let Some(photo) = &raw.photo else { return Err("give it a photo = \"FILE\"".to_owned()) };
     let (photo, bracket) = photograph::photo(photo, folder)?;
@@ -199,7 +200,7 @@ fn taken(
         vignetting: raw.vignetting.as_ref().map(photograph::vignetting).transpose()?,
         exposure: exposure(raw.exposure.as_ref(), is_anchored, is_further)?,
         camera: match raw.camera.clone() {
-            Some(value) => camera_choice::parse(value, folder, &photo)?,
+            Some(value) => camera_choice::parse(value, (folder, &photo), up)?,
             None => CameraChoice::First,
         },
         switched,

@@ -4,6 +4,7 @@ use super::alike;
 use super::parts::{self, ObjectsSeen};
 use crate::Job;
 use crate::registered::RegisteredModel;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use unrender_formats::materials::PhotographEntry;
@@ -13,7 +14,7 @@ use unrender_recover::{Options, Recovery};
 use unrender_scene::{Camera, Image, Rgb, RgbImage, Scene};
 
 /// A recovery, its options and its duration.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Recovered {
     /// The recovery.
     pub recovery: Recovery,
@@ -22,6 +23,7 @@ pub struct Recovered {
     /// The settings of the paper's method, if it was that.
     pub paper: Option<Paper>,
     /// For each photograph the photometric parameters, if they were recovered.
+    #[serde(with = "crate::as_json")]
     pub photographs: Vec<Option<PhotographEntry>>,
     /// The registration of the model with each photograph.
     pub(crate) registered: Vec<RegisteredModel>,
@@ -36,7 +38,7 @@ pub struct Recovered {
 }
 
 /// Seconds since the beginning.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Times {
     /// Until the model was registered.
     pub registered: f64,

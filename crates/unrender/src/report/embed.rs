@@ -5,7 +5,10 @@ use crate::Error;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use std::path::Path;
-use unrender_formats::{FileError, picture};
+use unrender_formats::FileError;
+use unrender_formats::picture::{self, Profile};
+use unrender_photo::{Response, Transfer, declared_response};
+use unrender_scene::color::srgb_from_linear;
 use unrender_scene::{Image, Rgb};
 
 /// Pictures of more pixels are reduced.
@@ -27,9 +30,22 @@ pub(super) struct Embedded {
 /// The picture `file` in `folder`, as a photograph.
 pub(super) fn photograph(folder: &Path, file: &str) -> Result<Embedded, Error> {
     let path = folder.join(file);
-    let codes = shrunk(&picture::read(&path)?.0.values, PIXELS_MAX, mean);
+    let (read, _) = picture::read(&path)?;
+    let codes = in_srgb(shrunk(&read.values, PIXELS_MAX, mean), read.profile.as_ref());
     let bytes = picture::jpeg_bytes(&codes, QUALITY).map_err(|e| FileError::new(&path, e))?;
     Ok(embedded(&codes, "jpeg", &bytes))
+}
+
+/// Code values as those of sRGB, in which pages show all pictures, by what their file declares.
+fn in_srgb(codes: Image<Rgb>, profile: Option<&Profile>) -> Image<Rgb> {
+    let Some(profile) = profile.filter(|profile| profile.understood) else { return codes };
+    let response = declared_response(profile).unwrap_or(Response::Srgb);
+    let srgb_from_file = profile.srgb_from_file;
+    if response == Response::Srgb && srgb_from_file.is_none() {
+        return codes;
+    }
+    let transfer = Transfer { srgb_from_file, ..Transfer::plain(response, Rgb::ONE) };
+    codes.map(|code| transfer.radiance(*code, 1.0).map(srgb_from_linear))
 }
 
 /// The picture `file` in `folder` with exact colours.

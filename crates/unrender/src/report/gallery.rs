@@ -15,7 +15,7 @@ pub struct Gallery<'a> {
     pub lead: &'a str,
     /// What was done, a sentence each.
     pub edits: &'a [String],
-    /// Two pictures in one frame, the first on the left; they have the same size and encoding.
+    /// Two pictures in one frame, the first on the left; they have the same size.
     pub pair: Option<&'a [Exhibit; 2]>,
     /// The pictures below.
     pub exhibits: &'a [Exhibit],

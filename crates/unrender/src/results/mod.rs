@@ -22,13 +22,14 @@ use difference::{Difference, Missed};
 
 use crate::check::uvs;
 use crate::engine::Recovered;
+use crate::project::CameraChoice;
 use crate::result_folder::MATERIALS;
-use crate::run::{MissEntry, Pictures, Run};
+use crate::run::{self, MissEntry, Pictures, Run};
 use crate::{Error, Job, report};
 use std::path::Path;
 use unrender_formats::{FileError, atomic, gltf, materials, picture};
 use unrender_scene::color::srgb_from_linear;
-use unrender_scene::{Rgb, Warnings};
+use unrender_scene::{Camera, Rgb, Status, Warnings};
 
 impl Recovered {
     /// The table that the command prints.
@@ -43,7 +44,8 @@ const REPORT_FOLDER: &str = "report";
 /// Whether [`write`] may write a file of this name, relative to its folder.
 pub(crate) fn writes(name: &str) -> bool {
     let numbered = |rest: &str| rest.starts_with(|c: char| c.is_ascii_digit());
-    [MATERIALS, "run.json", "report.html", "scene.glb", "manifest.json"].contains(&name)
+    [MATERIALS, "run.json", "report.html", "scene.glb", run::PANORAMA, "manifest.json"]
+        .contains(&name)
         || is_picture(name)
         || ["error", "group"].iter().any(|stem| name.starts_with(stem) && name.ends_with(".png"))
         || name.strip_prefix("texture_").is_some_and(numbered)
@@ -87,12 +89,17 @@ pub(crate) fn write(
         misses.into_iter().map(|missed| missed.map(Missed::entry)).collect();
     let balls = ball::write(job, recovered, folder)?;
     atomic::write(&folder.join("scene.glb"), &scene_file(job, recovered)?)?;
+    if let Some(environment) = &recovered.scene(job).environment {
+        run::write_panorama(environment, folder)?;
+    }
     let mut warnings = job.warnings.clone();
     recovered.registered.iter().for_each(|of| warnings.extend(of.warnings.clone()));
     let mut doubts = Warnings::default();
     for (index, group) in recovery.groups.iter().enumerate() {
-        if group.material.texture.is_some() {
-            uvs::doubt(&job.scene, index).into_iter().for_each(|doubt| doubts.push(doubt));
+        let is_textured = group.material.texture.is_some();
+        if is_textured || group.status == Status::Doubtful {
+            let doubt = uvs::doubt(&job.scene, index, is_textured);
+            doubt.into_iter().for_each(|doubt| doubts.push(doubt));
         }
     }
     dark::doubt(&recovery.groups).into_iter().for_each(|doubt| doubts.push(doubt));
@@ -161,10 +168,28 @@ fn hex(color: Rgb) -> String {
 /// The bytes of scene.glb. It keeps everything else in the user's file, unless the project changes
 /// the places of lights.
 fn scene_file(job: &Job, recovered: &Recovered) -> Result<Vec<u8>, FileError> {
-    let (scene, path) = (recovered.scene(job), &job.project.scene);
+    let (mut scene, path) = (recovered.scene(job), &job.project.scene);
+    let added = cameras_of_project(job, recovered);
+    scene.cameras.retain(|camera| added.iter().all(|added| added.name != camera.name));
+    scene.cameras.extend_from_slice(&added);
     // A scene that was handed over in memory has no file.
     if job.project.rebuilds_lights() || !path.exists() {
         return gltf::to_glb(&scene).map_err(|error| FileError::new(path, error));
     }
-    unrender_formats::assign_materials(job.project.scene_input(), &scene)
+    unrender_formats::assign_materials(job.project.scene_input(), &scene, &added)
+}
+
+/// The cameras of the photographs that the scene's file lacks, since the project describes them.
+fn cameras_of_project(job: &Job, recovered: &Recovered) -> Vec<Camera> {
+    let count = job.photographs();
+    let of_photograph = |k: usize| {
+        let alone = job.alone(k);
+        if matches!(alone.project.camera, CameraChoice::First | CameraChoice::Named(_)) {
+            return None;
+        }
+        let number = if count > 1 { format!(" {}", k + 1) } else { String::new() };
+        let camera = alone.camera_of_photograph(&recovered.registered[k].camera);
+        Some(Camera { name: format!("photograph{number}"), ..camera })
+    };
+    (0..count).filter_map(of_photograph).collect()
 }

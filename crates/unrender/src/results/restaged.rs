@@ -29,12 +29,12 @@ pub(crate) fn write_composite(
     let mut bad = 0;
     match photograph.picture.depth {
         Depth::Float => {
-            bad += picture::write_exr(&exr, &codes)?;
+            bad += picture::write_exr_as(&exr, &codes, photograph.transfer.srgb_from_file)?;
             bad += picture::write_png_srgb(&png, &as_srgb(photograph, &composite.radiance))?;
         }
-        depth => {
+        _ => {
             bad += picture::write_exr(&exr, &composite.radiance)?;
-            bad += picture::write_png_codes(&png, &codes, depth)?;
+            bad += write_codes(&png, photograph, &codes)?;
         }
     }
     let share = |of: fn(&Paired) -> f32| composite.paired.map(|pixel| Rgb::splat(of(pixel)));
@@ -71,11 +71,15 @@ pub(crate) fn write_photograph(photograph: &Photograph, folder: &Path) -> Result
         Depth::Float => {
             picture::write_png_srgb(&file, &as_srgb(photograph, &photograph.photo.radiance))
         }
-        depth => {
-            picture::write_png_codes(&file, &photograph.picture.values, depth)?;
-            Ok(0)
-        }
+        _ => write_codes(&file, photograph, &photograph.picture.values),
     }
+}
+
+/// Writes code values of the photograph's camera at its depth, with the profile of their encoding; returns how many
+/// values were not finite.
+fn write_codes(file: &Path, photograph: &Photograph, codes: &RgbImage) -> Result<usize, FileError> {
+    let icc = photograph.icc().map_err(|problem| FileError::new(file, problem))?;
+    picture::write_png_as(file, codes, photograph.picture.depth, icc.as_deref())
 }
 
 /// Whether [`write_composite`] writes a file of this name.
@@ -195,8 +199,7 @@ pub(crate) fn write_synthetic(
     let png = folder.join(format!("{name}.png"));
     match photograph {
         Some(photograph) if photograph.picture.depth != Depth::Float => {
-            let codes = photograph.transfer.codes(radiance);
-            picture::write_png_codes(&png, &codes, photograph.picture.depth)?;
+            write_codes(&png, photograph, &photograph.transfer.codes(radiance))?;
         }
         Some(photograph) => {
             picture::write_png_srgb(&png, &as_srgb(photograph, radiance))?;

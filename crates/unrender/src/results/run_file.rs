@@ -7,9 +7,9 @@ use crate::lighting::EnvironmentChoice;
 use crate::project::CameraTable;
 use crate::recovered::labels;
 use crate::run::{
-    CandidateEntry, DecisionEntry, Ended, GroupIterationEntry, Input, IterationEntry, LeftOut,
-    MissEntry, PhotographRun, Pictures, Program, RegistrationEntry, Run, RunGroup, SettingsEntry,
-    Stages, VERSION, Verdict,
+    CandidateEntry, DecisionEntry, Ended, EnvironmentEntry, GroupIterationEntry, Input,
+    IterationEntry, LeftOut, MissEntry, PhotographRun, Pictures, Program, RegistrationEntry, Run,
+    RunGroup, SettingsEntry, Stages, VERSION, Verdict,
 };
 use indexmap::IndexMap;
 use serde_json::json;
@@ -83,6 +83,7 @@ pub(super) fn build(
             .collect(),
         groups,
         lights: materials.lights.clone(),
+        environment: recovered.scene(job).environment.as_ref().map(EnvironmentEntry::of),
     }
 }
 
@@ -119,6 +120,7 @@ fn input(job: &Job) -> Input {
         photo: job.project.photo.clone(),
         bracket: job.project.bracket.as_ref().map_or(Vec::new(), |frames| frames.files.clone()),
         environment: job.project.environment.as_ref().and_then(EnvironmentChoice::in_words),
+        up_axis: job.project.up_axis,
         width: job.photograph_size().0,
         height: job.photograph_size().1,
         side: job.side,
@@ -181,6 +183,7 @@ fn registration(job: &Job, recovered: &Recovered) -> RegistrationEntry {
         "target": table.target.to_array(),
         "up": table.up.to_array(),
         "fov_y_deg": table.fov_y_deg,
+        "near": table.near,
         "principal_point": lens.principal_point,
         "fx_over_fy": lens.fx_over_fy,
         "k1": lens.k1,

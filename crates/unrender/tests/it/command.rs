@@ -123,6 +123,21 @@ fn a_photograph_of_what_gets_no_light_is_refused_before_any_work() {
 }
 
 #[test]
+fn the_scene_of_a_result_has_the_camera_that_the_project_describes() {
+    let folder = floor_and_lamp::project();
+    let described = "[camera]\neye = [0, 1.4, 2]\ntarget = [0, 0, 0]\nfov_y_deg = 45\n";
+    folder.write("p.toml", &(folder.text("p.toml") + described));
+    let recover = ["recover", "p.toml", "--effort", "draft", "--quiet", "--out", "result"];
+    succeeds(&folder.run(&recover));
+    let (scene, _) = unrender::formats::load_scene(&folder.path("result/scene.glb")).unwrap();
+    let names: Vec<&str> = scene.cameras.iter().map(|camera| camera.name.as_str()).collect();
+    assert_eq!(names, ["camera", "photograph"]);
+    let [named, described] = &scene.cameras[..] else { panic!("{names:?}") };
+    assert!(described.origin().distance(named.origin()) < 1e-4);
+    assert!((described.fov_y_rad.to_degrees() - 45.0).abs() < 1e-3);
+}
+
+#[test]
 fn materials_are_a_file_or_the_folder_of_a_result() {
     let folder = floor_and_lamp::project();
     succeeds(

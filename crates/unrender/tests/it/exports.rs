@@ -68,7 +68,10 @@ fn assert_same(back: &Scene) {
     let lights = |scene: &Scene| scene.lights.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
     assert_eq!(lights(back), lights(&scene));
     let objects = |scene: &Scene| scene.objects.iter().map(|o| o.name.clone()).collect::<Vec<_>>();
-    assert_eq!(objects(back), objects(&scene));
+    // One without a name has got its number.
+    let mut named = scene.clone();
+    named.validate().unwrap();
+    assert_eq!(objects(back), objects(&named));
     let theirs = our_picture(back, &back.cameras[0], SIZE, SPP);
     let ours = our_picture(&scene, &camera, SIZE, SPP);
     let alike = |rows: Vec<Row>, limit: f32| {

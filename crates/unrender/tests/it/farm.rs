@@ -1,7 +1,7 @@
 //! Renderings as jobs for many machines: their results equal those of one run, to the bit.
 
 use crate::kit::example::beside_crates;
-use crate::kit::folder::{Folder, is_refused, succeeds};
+use crate::kit::folder::{Folder, is_refused, stderr, succeeds};
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -43,6 +43,8 @@ fn slurm_makes_the_picture_of_one_run() {
     let folder = Folder::new();
     let told = job(&folder, "slurm", &["--spp", "7", "--parts", "3"]);
     succeeds(&told);
+    let start = stderr(&told);
+    assert!(start.contains(r"start them by: bash './it'\''s_job/job.sh'"), "{start}");
     let script = folder.path("it's_job/job.sh");
     succeeds(&Command::new("bash").arg("-n").arg(&script).output().unwrap());
     let bin = folder.path("bin");

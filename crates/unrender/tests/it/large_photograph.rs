@@ -90,7 +90,7 @@ fn read(folder: &Folder, name: &str) -> RgbImage {
 #[test]
 fn it_is_worked_on_in_squares_and_its_textures_keep_its_pixels() {
     let folder = project();
-    let recover = ["recover", "project.toml", "--effort", "draft", "--keep-camera"];
+    let recover = ["recover", "project.toml", "--effort", "draft", "--keep-camera", "--spp", "4"];
     let with = |more: &[&str]| succeeds(&folder.run(&[&recover[..], more].concat()));
     with(&["--out", "out", "--picture", "full"]);
     let run: Value = serde_json::from_str(&folder.text("out/run.json")).unwrap();

@@ -11,10 +11,11 @@ use unrender::formats::{gltf, materials};
 use unrender::render::{Settings, Tracer};
 use unrender::scene::{Camera, Image, Rgb, Scene};
 
-const SIZE: (usize, usize) = (48, 36);
+/// Width and height of the photograph, pixels.
+pub(crate) const SIZE: (usize, usize) = (48, 36);
 
 /// A folder with a scene, its materials, a photograph, a project and a model to insert.
-struct Stage(Folder);
+pub(crate) struct Stage(Folder);
 
 impl Deref for Stage {
     type Target = Folder;
@@ -26,7 +27,7 @@ impl Deref for Stage {
 
 impl Stage {
     /// The folder, with all these files.
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let folder = Folder::new();
         let mut scene = scene();
         scene.validate().unwrap();
@@ -48,13 +49,13 @@ impl Stage {
     }
 
     /// `unrender restage` with `arguments`, in this folder.
-    fn restage(&self, arguments: &[&str]) -> Output {
+    pub(crate) fn restage(&self, arguments: &[&str]) -> Output {
         self.run(&[&["restage", "--quiet"], arguments].concat())
     }
 
     /// Asserts that `unrender restage` succeeds with `arguments`.
     #[track_caller]
-    fn succeeds(&self, arguments: &[&str]) {
+    pub(crate) fn succeeds(&self, arguments: &[&str]) {
         succeeds(&self.restage(arguments));
     }
 
@@ -94,7 +95,8 @@ fn red_box() -> Scene {
     scene
 }
 
-const INSERT: &str = "[[insert]]\nfile = \"box.glb\"\non = \"floor\"\nat = [0.5, 0.4]\n";
+/// An edit that puts the box before the wall.
+pub(crate) const INSERT: &str = "[[insert]]\nfile = \"box.glb\"\non = \"floor\"\nat = [0.5, 0.4]\n";
 
 fn read(path: &Path) -> picture::Picture {
     picture::read(path).unwrap().0

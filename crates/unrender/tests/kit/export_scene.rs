@@ -1,5 +1,6 @@
 //! A small scene with one of everything that an export must carry: each kind of material, a texture,
-//! smooth normals, a tangent frame, each kind of light, a shifted camera, and difficult names.
+//! smooth normals, a tangent frame, each kind of light, a turned panorama around it, a shifted camera, and difficult
+//! names.
 
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
@@ -9,7 +10,8 @@ use unrender::converted::converted;
 use unrender::formats::LightUnits;
 use unrender::formats::export::{self, SceneView, Target};
 use unrender::scene::{
-    Camera, Group, Image, Lens, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Texture, Wrap,
+    Camera, Environment, Group, Image, Lens, Light, LightKind, Material, Mesh, Object, Rgb,
+    RgbImage, Scene, Texture, Wrap,
 };
 
 /// The size of the picture.
@@ -53,7 +55,16 @@ pub(crate) fn scene() -> Scene {
     let panel = self::wall([-0.6, 1.99, -0.6], [1.2, 0.0, 0.0], [0.0, 0.0, 0.9]);
     add(&mut scene, "lamp", black, Rgb::new(6.0, 5.0, 4.0), "lamp", panel);
     scene.lights = lights();
+    scene.environment = Environment::new(sky(), -2.1).ok();
     scene
+}
+
+/// Blue above and red on one side, so that it is not symmetric under any turn.
+fn sky() -> RgbImage {
+    RgbImage::from_fn(32, 16, |x, y| {
+        let (around, down) = (TAU * x as f32 / 32.0, y as f32 / 16.0);
+        Rgb::new(0.15 + 0.15 * around.sin(), 0.1, 0.4 * (1.0 - down))
+    })
 }
 
 fn lights() -> Vec<Light> {
@@ -151,8 +162,11 @@ pub(crate) fn exported(scene: &Scene, target: Target) -> (tempfile::TempDir, Pat
     let shot =
         SceneView { scene, materials, camera, size: SIZE, light_units: LightUnits::Radiometric };
     let (files, warnings) = export::export(&shot, target).unwrap();
-    // The scene's camera has a lens, which glTF cannot express.
-    let is_expected = |w: &String| target == Target::Gltf && w.contains("what a lens does");
+    // The scene's camera has a lens, and there is light around it, which glTF cannot express.
+    let is_expected = |w: &String| {
+        target == Target::Gltf && w.contains("what a lens does")
+            || !target.has_environments() && w.contains("no words for the environment")
+    };
     assert!(warnings.0.iter().all(is_expected), "{warnings:?}");
     export::write(&path, target, &files).unwrap();
     (folder, path)

@@ -5,6 +5,7 @@
 #![allow(dead_code, unused_imports)]
 
 pub(crate) mod coloured_room;
+pub(crate) mod encoded;
 pub(crate) mod example;
 pub(crate) mod export_scene;
 pub(crate) mod floor_and_lamp;

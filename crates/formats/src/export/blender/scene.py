@@ -206,11 +206,35 @@ def add_camera(scene, item):
     camera.angle_y = item["fov_y"]
     # If the axis is right of the middle, the frame is shifted to the left, in heights of it.
     camera.shift_x, camera.shift_y = -item["principal_point"][0], item["principal_point"][1]
-    camera.clip_start, camera.clip_end = 0.001, 1e5
+    camera.clip_start, camera.clip_end = item["near"], 1e5
     thing = named(bpy.data.objects.new(item["name"], camera), item)
     thing.matrix_world = Z_UP @ Matrix(item["world_from_camera"])
     scene.collection.objects.link(thing)
     return thing
+
+
+def add_world(item):
+    """The light from all around: one radiance, a panorama, or none."""
+    world = bpy.data.worlds.new("unrender" if item else "unrender, dark")
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    background = nodes["Background"]
+    background.inputs["Strength"].default_value = 1 if item else 0
+    if item and "radiance" in item:
+        background.inputs["Color"].default_value = (*item["radiance"], 1)
+    if item and "panorama" in item:
+        picture = nodes.new("ShaderNodeTexEnvironment")
+        picture.image = bpy.data.images.load(os.path.join(HERE, item["panorama"]))
+        picture.image.colorspace_settings.name = "Non-Color"
+        # The middle of Blender's panoramas lies along x, that of ours along y.
+        turned = nodes.new("ShaderNodeMapping")
+        turned.vector_type = "TEXTURE"
+        turned.inputs["Rotation"].default_value = (0, 0, math.pi / 2 + item["rotation"])
+        generated = nodes.new("ShaderNodeTexCoord").outputs["Generated"]
+        links.new(generated, turned.inputs["Vector"])
+        links.new(turned.outputs["Vector"], picture.inputs["Vector"])
+        links.new(picture.outputs["Color"], background.inputs["Color"])
+    return world
 
 
 def build():
@@ -224,9 +248,7 @@ def build():
         add_light(scene, item)
     cameras = [add_camera(scene, item) for item in data["cameras"]]
     scene.camera = cameras[0]
-    scene.world = bpy.data.worlds.new("unrender, dark")
-    scene.world.use_nodes = True
-    scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0
+    scene.world = add_world(data["environment"])
     scene.render.engine = "CYCLES"
     scene.render.resolution_x, scene.render.resolution_y = data["size"]
     scene.render.resolution_percentage = 100

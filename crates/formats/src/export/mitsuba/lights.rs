@@ -1,12 +1,13 @@
-//! Lights without a surface.
+//! Lights without a surface, and the light from all around.
 
 use super::{float, point, rgb, safe, to_world, vector};
+use crate::export::environment::{self, Around};
 use crate::export::identifiers::identifiers;
 use crate::export::{Files, SceneView};
 use crate::record::light_note;
 use crate::texels;
 use glam::{Affine3A, DVec3, Mat3, Vec3};
-use unrender_scene::{Image, LightKind, Rgb};
+use unrender_scene::{Environment, Image, LightKind, Rgb, RgbImage};
 
 /// Texels of the picture of a spot's cone, across and down.
 const CONE_TEXELS: usize = 512;
@@ -27,7 +28,40 @@ pub(super) fn text(shot: &SceneView) -> Result<(String, Files), String> {
             emitter(&light.kind, &picture, origin)
         ));
     }
+    match environment::around(shot.scene) {
+        None => {}
+        Some(Around::Uniform(radiance)) => {
+            let radiance = rgb("radiance", radiance);
+            text.push_str(&format!("    <emitter type=\"constant\">{radiance}</emitter>\n"));
+        }
+        Some(Around::Panorama(environment)) => {
+            text.push_str(&envmap(&environment));
+            files.push(environment::file(&from_pole_to_pole(&environment))?);
+        }
+    }
     Ok((text, files))
+}
+
+/// The emitter of a panorama. The middle of Mitsuba's lies along +z, that of ours along -z.
+fn envmap(environment: &Environment) -> String {
+    let turn = 180.0 + environment.rotation_rad().to_degrees();
+    format!(
+        "    <emitter type=\"envmap\">\n\
+         \x20       <string name=\"filename\" value=\"{}\"/>\n\
+         \x20       <transform name=\"to_world\"><rotate y=\"1\" angle=\"{turn}\"/></transform>\n\
+         \x20   </emitter>\n",
+        environment::FILE
+    )
+}
+
+/// The panorama with its first and last row at the poles, where Mitsuba takes them to be; ours lie half a row off them.
+/// In an even multiple of its rows ([`environment::size`]) every row of ours is one of these; one that is written in
+/// its own rows is interpolated half a row off them.
+fn from_pole_to_pole(environment: &Environment) -> RgbImage {
+    let (width, height) = environment::size(environment);
+    Image::from_fn(width, height + 1, |x, y| {
+        environment.radiance_at(((x as f32 + 0.5) / width as f32, y as f32 / height as f32))
+    })
 }
 
 fn emitter(kind: &LightKind, picture: &str, origin: DVec3) -> String {

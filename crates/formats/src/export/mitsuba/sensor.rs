@@ -2,6 +2,7 @@
 
 use super::{comment, float, to_world};
 use crate::export::SceneView;
+use crate::near;
 use glam::{Affine3A, Mat3};
 use unrender_scene::Warnings;
 
@@ -30,7 +31,7 @@ pub(super) fn text(shot: &SceneView, warnings: &mut Warnings) -> String {
         float("fov", camera.fov_y_rad.to_degrees()),
         float("principal_point_offset_x", -right * height as f32 / width as f32),
         float("principal_point_offset_y", -down),
-        float("near_clip", 1e-3),
+        float("near_clip", near::written(shot.scene, camera)),
         float("far_clip", 1e5),
     ]
     .join("\n        ");

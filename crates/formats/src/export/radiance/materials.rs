@@ -154,29 +154,37 @@ fn one_color(material: &Material) -> Option<(&'static str, Rgb, f32)> {
 fn color_picture(id: &str, picture: &str, texture: &Texture) -> String {
     let (width, height) = (texture.image.width(), texture.image.height());
     let shorter = (width.min(height) + 2) as f32;
-    let across = place("Lu", texture.wrap_u, width, shorter);
-    let up = place("Lv", texture.wrap_v, height, shorter);
+    let across = place(&within("Lu", texture.wrap_u), width, shorter);
+    let up = place(&within("Lv", texture.wrap_v), height, shorter);
     format!("void colorpict {id}\n7 red green blue ./{picture} . {across} {up}\n0\n0\n")
 }
 
-/// An expression for the place of `coordinate` among `texels` texels with one more on each side.
-/// Radiance puts the centres of the outermost texels onto the picture's edges.
-fn place(coordinate: &str, wrap: Wrap, texels: usize, shorter: f32) -> String {
-    let within = match wrap {
+/// An expression for `coordinate` within the picture, 0 to 1.
+fn within(coordinate: &str, wrap: Wrap) -> String {
+    match wrap {
         Wrap::Repeat => format!("frac({coordinate})"),
         Wrap::MirroredRepeat => format!("(1-abs(2*frac(.5*({coordinate}))-1))"),
         Wrap::ClampToEdge => format!("if({coordinate},if({coordinate}-1,1,{coordinate}),0)"),
-    };
+    }
+}
+
+/// An expression for the place of `within`, 0 to 1, among `texels` texels with one more on each side.
+/// Radiance puts the centres of the outermost texels onto the picture's edges.
+pub(super) fn place(within: &str, texels: usize, shorter: f32) -> String {
     let side = (texels + 2) as f32 / shorter / (texels + 1) as f32;
     format!("({within}*{texels}+.5)*{side}")
 }
 
 /// The texture with the texels that lie around it, by which those at its edges are interpolated.
 fn framed(texture: &Texture) -> Image<Rgb> {
-    let image = &texture.image;
+    with_frame(&texture.image, [texture.wrap_u, texture.wrap_v])
+}
+
+/// `image` with the texels that lie around it.
+pub(super) fn with_frame(image: &Image<Rgb>, [wrap_u, wrap_v]: [Wrap; 2]) -> Image<Rgb> {
     let (width, height) = (image.width(), image.height());
     Image::from_fn(width + 2, height + 2, |x, y| {
-        let column = texture.wrap_u.apply(x as i64 - 1, width);
-        *image.at(column, texture.wrap_v.apply(y as i64 - 1, height))
+        let column = wrap_u.apply(x as i64 - 1, width);
+        *image.at(column, wrap_v.apply(y as i64 - 1, height))
     })
 }

@@ -24,12 +24,13 @@ pub(super) fn text(shot: &SceneView, warnings: &mut Warnings) -> String {
     let axes = camera.world_from_camera.matrix3;
     let [right, down] = camera.lens.principal_point;
     format!(
-        "rvu -vtv -vp {} -vd {} -vu {} -vh {} -vv {} -vo 0 -va 0 -vs {} -vl {}\n",
+        "rvu -vtv -vp {} -vd {} -vu {} -vh {} -vv {} -vo {} -va 0 -vs {} -vl {}\n",
         place(camera.origin(), shot.scene.origin),
         triple((-axes.z_axis).into()),
         triple(axes.y_axis.into()),
         fov_x_rad.to_degrees(),
         camera.fov_y_rad.to_degrees(),
+        camera.near,
         -right * height / width,
         down
     )

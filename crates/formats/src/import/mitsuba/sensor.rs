@@ -76,6 +76,7 @@ pub(super) fn read(context: &Context, node: Node) -> Result<Option<Camera>, Stri
         aspect: Some(crop_size[0] / crop_size[1]),
         size: Some(crop_size.map(|side| side.round() as u32)),
         lens: Lens { principal_point: off.map(|pixels| pixels / crop_size[1]), ..Lens::default() },
+        near: node.number("near_clip", 1e-2)?,
     }))
 }
 

@@ -202,7 +202,7 @@ const KINDS: &[Kind] = &[
         read(
             "colorpict",
             "a square picture over Lu and Lv of a mesh, its numbers as stored, whatever its \
-             EXPOSURE; the mean of others, with a warning",
+             EXPOSURE; on a source a panorama as unrender exports it; the mean of others, with a warning",
         ),
     ),
     worded(Sort::Pattern, &[], told("colortext", NO_PATTERN)),
@@ -237,7 +237,7 @@ pub(super) const CASES: [Entry; 8] = [
     ),
     refused(
         "lamp behind a pattern",
-        "is as bright as the pattern says, unless that is a number or a sky",
+        "is as bright as the pattern says, unless that is a number, a sky or a panorama of an export",
     ),
     refused("mixfunc of a lamp", "has a lamp in it, whose brightness is not understood"),
 ];

@@ -4,7 +4,7 @@
 //! below zero is visible and gives no light. An `illum` gives light and looks like another material. A
 //! `spotlight` sends light into a cone, and its brightness falls off as if from a point behind its surface.
 
-use super::sky::{Disk, Sky, environment};
+use super::sky::{Disk, Panorama, Sky, environment};
 use glam::{DVec3, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI};
 use unrender_scene::{Environment, Light, LightKind, Mesh, Object, Rgb, Warnings};
@@ -31,6 +31,7 @@ pub(super) struct Spot {
 pub(super) struct Far {
     pub(super) radiance: Rgb,
     pub(super) sky: Option<Sky>,
+    pub(super) panorama: Option<Panorama>,
     pub(super) is_glow: bool,
 }
 
@@ -55,14 +56,16 @@ impl Lamps {
         if angle_deg <= NARROW_DEG {
             let brightness = far.sky.as_ref().map_or(1.0, |sky| sky.at(direction)) as f32;
             let sin = (0.5 * angle_deg).to_radians().sin();
-            let irradiance = far.radiance * brightness * PI * sin * sin;
+            let shown = far.panorama.as_ref().map(|around| around.radiance(direction.as_vec3()));
+            let radiance = far.radiance * shown.unwrap_or(Rgb::ONE);
+            let irradiance = radiance * brightness * PI * sin * sin;
             let kind = LightKind::Directional { direction: -direction.as_vec3(), irradiance };
             self.lights.push(Light { name: id.to_owned(), kind });
             return Ok(());
         }
-        let Far { radiance, sky, is_glow } = far;
+        let Far { radiance, sky, panorama, is_glow } = far;
         let angle_deg = f64::from(angle_deg);
-        self.disks.push(Disk { direction, angle_deg, radiance, sky, is_glow });
+        self.disks.push(Disk { direction, angle_deg, radiance, sky, panorama, is_glow });
         Ok(())
     }
 

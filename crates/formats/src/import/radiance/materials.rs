@@ -6,7 +6,7 @@ use super::modifiers::{Chain, Definition, Modifiers, Number};
 use super::patterns::{Pattern, Pictures, constant};
 use super::primitives::Noted;
 use super::reflectance::{mixed, reflectance, why_hidden};
-use super::sky::Sky;
+use super::sky::{Panorama, Sky};
 use crate::input::Scope;
 use crate::texels;
 use glam::DVec3;
@@ -42,6 +42,7 @@ struct Tint {
     factor: Rgb,
     texture: Option<Arc<Texture>>,
     sky: Option<Sky>,
+    panorama: Option<Panorama>,
     /// The first one that is not constant, for messages.
     varying: Option<String>,
 }
@@ -145,7 +146,7 @@ impl<'a> Materials<'a> {
         let Some(number) = number else { return Ok(None) };
         let tint = self.tint(&chain, warnings)?;
         let lamp = self.modifiers.get(number);
-        if tint.sky.is_none() {
+        if tint.sky.is_none() && tint.panorama.is_none() {
             check_brightness(lamp, &tint)?;
         }
         let radiance = color(lamp) * tint.factor;
@@ -159,7 +160,7 @@ impl<'a> Materials<'a> {
             "illum" => warnings.push(visible(lamp)),
             _ => {}
         }
-        Ok(Some(Far { radiance, sky: tint.sky, is_glow }))
+        Ok(Some(Far { radiance, sky: tint.sky, panorama: tint.panorama, is_glow }))
     }
 
     fn look(
@@ -313,7 +314,8 @@ impl<'a> Materials<'a> {
 
     /// What the patterns of `chain` do, with warnings for those that are not read and for textures.
     fn tint(&mut self, chain: &Chain, warnings: &mut Warnings) -> Result<Tint, String> {
-        let mut tint = Tint { factor: Rgb::ONE, texture: None, sky: None, varying: None };
+        let mut tint =
+            Tint { factor: Rgb::ONE, texture: None, sky: None, panorama: None, varying: None };
         for &number in &chain.others {
             let definition = self.modifiers.get(number);
             let shown = definition.shown();
@@ -330,6 +332,7 @@ impl<'a> Materials<'a> {
                     continue;
                 }
                 Pattern::Sky(sky) => tint.sky = Some(sky),
+                Pattern::Panorama(panorama) => tint.panorama = Some(panorama),
                 Pattern::Picture(texture) => tint.texture = Some(texture),
                 Pattern::Mean(color) => {
                     tint.factor *= color;

@@ -1,13 +1,13 @@
-//! Patterns: constants, pictures over the texture coordinates of a mesh, skies.
+//! Patterns: constants, pictures over the texture coordinates of a mesh, skies, panoramas.
 
 use super::primitives::Primitive;
-use super::sky::Sky;
+use super::sky::{Panorama, Sky};
 use crate::input::Scope;
 use crate::{picture, texels};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
-use unrender_scene::{Depth, Image, Rgb, Texture, Warnings, Wrap};
+use unrender_scene::{Depth, Environment, Image, Rgb, Texture, Warnings, Wrap};
 
 /// What a pattern is.
 pub(super) enum Pattern {
@@ -19,6 +19,8 @@ pub(super) enum Pattern {
     Mean(Rgb),
     /// The brightness of a sky.
     Sky(Sky),
+    /// The light from all around, as our export writes it.
+    Panorama(Panorama),
     /// Something else.
     Unread,
 }
@@ -62,7 +64,8 @@ impl Pictures {
     ) -> Result<Pattern, String> {
         let name = p.strings.get(3).ok_or("a colorpict names no picture")?;
         let [u, v] = [5, 6].map(|at| p.strings.get(at).cloned().unwrap_or_default());
-        let is_ours = is_ours(&u) && is_ours(&v);
+        let turn = turn(&u);
+        let is_ours = turn.is_some() || is_ours(&u) && is_ours(&v);
         let key = (name.clone(), is_ours, [u.clone(), v.clone()]);
         let texture = match self.0.get(&key) {
             Some(texture) => texture.clone(),
@@ -73,6 +76,11 @@ impl Pictures {
                 read
             }
         };
+        if let Some(turn) = turn {
+            let environment = Environment::new(texture.image.clone(), turn);
+            let found = environment.map_err(|error| format!("\"{name}\": {error}"))?;
+            return Ok(Pattern::Panorama(Arc::new(found)));
+        }
         let is_square = texture.image.width() == texture.image.height();
         let is_plain = |word: &str, name: &str| word == name || word == format!("frac({name})");
         let is_laid = is_ours || is_square && is_plain(&u, "Lu") && is_plain(&v, "Lv");
@@ -96,6 +104,12 @@ pub(super) fn constant(word: &str, reals: &[f64]) -> Option<f32> {
 /// Whether `place` is an expression as our export writes them.
 fn is_ours(place: &str) -> bool {
     place.contains("+.5)*") && (place.contains("Lu") || place.contains("Lv"))
+}
+
+/// How far a panorama is turned, radians, if `place` is the expression of its columns as our export writes them.
+fn turn(place: &str) -> Option<f32> {
+    let (turn, _) = place.strip_prefix("(frac(.5+(atan2(Dx,-Dz)+(")?.split_once("))/")?;
+    turn.parse().ok()
 }
 
 /// The picture of a `colorpict`. Our export adds the texels around it, and the expression of its

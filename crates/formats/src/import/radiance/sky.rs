@@ -9,6 +9,7 @@ use super::motion::Motion;
 use super::primitives::Primitive;
 use glam::{DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 use unrender_scene::{Environment, Image, Rgb};
 
 /// Rows of the panorama; a row is 0.7 degrees.
@@ -19,6 +20,9 @@ const FINER: usize = 2;
 
 /// The most sources; each costs a tenth of a second.
 const MAX_PARTS: usize = 64;
+
+/// The light from all around by direction.
+pub(super) type Panorama = Arc<Environment>;
 
 /// The brightness of a sky by direction.
 #[derive(Clone, Debug)]
@@ -104,6 +108,8 @@ pub(super) struct Disk {
     pub(super) angle_deg: f64,
     pub(super) radiance: Rgb,
     pub(super) sky: Option<Sky>,
+    /// What it shows; its radiance is a factor on that.
+    pub(super) panorama: Option<Panorama>,
     /// Where glows overlap, the last is seen; where lights overlap, the first, in front of all glows.
     pub(super) is_glow: bool,
 }
@@ -118,6 +124,13 @@ pub(super) fn environment(disks: &[Disk]) -> Result<Option<Environment>, String>
             "has more than {MAX_PARTS} sources that are more than 5 degrees across"
         ));
     }
+    if let [Disk { radiance, panorama: Some(panorama), angle_deg, sky: None, .. }] = disks
+        && *angle_deg >= 360.0
+    {
+        let mut around = Environment::clone(panorama);
+        around.scale(*radiance);
+        return Ok(Some(around));
+    }
     let (lights, glows): (Vec<&Disk>, Vec<&Disk>) = disks.iter().partition(|disk| !disk.is_glow);
     let seen: Vec<&Disk> = lights.into_iter().chain(glows.into_iter().rev()).collect();
     let covers = |disk: &Disk, direction: DVec3| {
@@ -126,7 +139,9 @@ pub(super) fn environment(disks: &[Disk]) -> Result<Option<Environment>, String>
     let radiance = |direction: DVec3| {
         let disk = seen.iter().find(|disk| covers(disk, direction));
         disk.map_or(Rgb::ZERO, |disk| {
-            disk.radiance * disk.sky.as_ref().map_or(1.0, |sky| sky.at(direction)) as f32
+            let shown = disk.panorama.as_ref().map(|around| around.radiance(direction.as_vec3()));
+            let bright = disk.sky.as_ref().map_or(1.0, |sky| sky.at(direction)) as f32;
+            disk.radiance * shown.unwrap_or(Rgb::ONE) * bright
         })
     };
     let step =

@@ -109,7 +109,7 @@ pub(crate) fn insertion(x: f32, z: f32) -> Insert {
         model: red_box(),
         rotation: Quat::from_rotation_y(0.4),
         scale: 1.0,
-        place: Place::Onto { group: "floor".into(), x: x.into(), z: z.into() },
+        place: Place::Onto { group: "floor".into(), at: [x.into(), z.into()] },
         paint: Vec::new(),
     }
 }

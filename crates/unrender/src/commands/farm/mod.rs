@@ -6,6 +6,7 @@ mod slurm;
 
 use super::render;
 use crate::global::Global;
+use crate::shell_word::quoted;
 use crate::{Error, interrupt, output};
 use clap::ValueEnum;
 use job::Job;
@@ -83,12 +84,13 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         Target::Openjd => {
             let (template, parameters) = openjd::template(&job)?;
             let (named, given) = (file("template.json"), file("parameters.json"));
-            let start = format!("openjd run {} -p file://{}", named.display(), given.display());
+            let values = quoted(&format!("file://{}", given.display()));
+            let start = format!("openjd run {} -p {values}", quoted(&named.to_string_lossy()));
             (vec![(named, template), (given, parameters)], start)
         }
         Target::Slurm => {
             let script = file("job.sh");
-            let start = format!("bash {}", script.display());
+            let start = format!("bash {}", quoted(&script.to_string_lossy()));
             (vec![(script, slurm::script(&job))], start)
         }
     };

@@ -3,6 +3,7 @@
 //! The script is also the jobs: without one of its two flags it submits itself twice.
 
 use super::job::{Job, Word, text};
+use crate::shell_word::quoted;
 use std::fmt::Write;
 
 /// The script of `job`, for bash.
@@ -30,15 +31,6 @@ pub(super) fn script(job: &Job) -> String {
         (_, _) => words.join(" "),
     });
     pieces.collect()
-}
-
-/// `word` quoted for bash, so that it stays as it is.
-fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=+,:".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// The script, with marks for what differs.
@@ -81,16 +73,3 @@ case "${1:-}" in
     ;;
 esac
 "#;
-
-#[cfg(test)]
-mod tests {
-    use super::quoted;
-
-    #[test]
-    fn words_are_quoted_where_bash_would_read_more_into_them() {
-        assert_eq!(quoted("/a/b-c_1.exr"), "/a/b-c_1.exr");
-        assert_eq!(quoted("a b"), "'a b'");
-        assert_eq!(quoted("it's $HOME"), r"'it'\''s $HOME'");
-        assert_eq!(quoted(""), "''");
-    }
-}

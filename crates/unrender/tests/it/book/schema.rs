@@ -11,7 +11,7 @@ use std::fs;
 use std::path::Path;
 use unrender::Project;
 use unrender::edit::{EditSheet, Restaging};
-use unrender::run::{PhotographRun, Run};
+use unrender::run::{EnvironmentEntry, PhotographRun, Run};
 
 /// The schemas by their names.
 pub(crate) const NAMES: [&str; 5] = ["project", "edit", "lighting", "materials", "run"];
@@ -275,7 +275,7 @@ fn schemas_of_edits_have_the_readers_keys() {
         fs::write(&file, format!("{scene}{head}no_such_key = 1\n")).unwrap();
         let error = match EditSheet::read(&file) {
             Err(error) => error.to_string(),
-            Ok(sheet) => Restaging::load(&[sheet]).unwrap_err().to_string(),
+            Ok(sheet) => Restaging::load(vec![sheet]).unwrap_err().to_string(),
         };
         let mut readers = expected(&error);
         // One reader has both, and refuses the key of the other with its own message.
@@ -349,7 +349,13 @@ fn filled_run() -> Run {
     let names: Vec<String> = (0..9).map(|index| format!("group {index}")).collect();
     let mut run = synthetic::write(place.path(), &names, (64, 48));
     run.input.environment = Some("sky.hdr".into());
+    run.environment = Some(EnvironmentEntry {
+        panorama: Some("environment.exr".into()),
+        rotation_deg: 70.0,
+        radiance: [0.3, 0.2, 0.1],
+    });
     run.input.bracket = vec!["a.jpg".into(), "b.jpg".into()];
+    run.input.up_axis = unrender::scene::UpAxis::Z;
     run.registration.camera = json!({
         "eye": [0.0, 1.6, 4.0], "target": [0.0, 1.2, 0.0], "up": [0.0, 1.0, 0.0],
         "fov_y_deg": 40.0, "principal_point": [0.0, 0.0], "k1": 0.0, "k2": 0.0,

@@ -253,6 +253,25 @@ fn bright_dark_and_clipped_photos_are_reported() {
     assert_eq!(of(0.5, auto).check().warnings.0, [""; 0]);
 }
 
+#[test]
+fn codes_of_integers_in_a_floating_point_photo_are_told_as_that() {
+    let radiance = photo_of_room();
+    let of = |white: f32| {
+        let codes = radiance.map(|v| v.map(|v| (white * srgb_from_linear(v)).round()));
+        Input::new(
+            &room(),
+            camera(),
+            Picture::new(codes, Depth::Float),
+            Response::Linear,
+            "exposure = 1\n",
+        )
+    };
+    of(255.0).warns("codes of 0 to 255", "divide the values by 255");
+    of(65535.0).warns("codes of 0 to 65535", "uint16");
+    let told = of(255.0).check().warnings.0;
+    assert!(!told.iter().any(|told| told.contains("times as bright")), "{told:#?}");
+}
+
 /// The room in the light of a bulb of `watts` alone, read with its light this many times as bright.
 fn by_bulb(watts: f32, read: f32, text: &str) -> Input {
     let with = |factor: f32| {

@@ -28,11 +28,21 @@ fn rug(height: f32) -> Mesh {
 }
 
 #[test]
-fn a_rug_at_the_height_of_the_floor_is_told_by_name() {
+fn a_rug_at_the_height_of_the_floor_lies_in_front_of_it() {
     let told = told(&with("rug", rug(0.0), Rgb::ZERO));
+    let expected = "\"rug\" lies in the plane of \"the floor\" and overlaps it: the smaller is taken to lie in front";
+    assert_eq!(told, [expected]);
+}
+
+#[test]
+fn a_floor_over_a_floor_of_its_size_is_told_with_the_distance_that_parts_them() {
+    let mut scene = room();
+    let double = Object { group: BLOCK, ..scene.objects[1].clone() };
+    scene.objects.push(double);
+    let told = told(&scene);
     assert_eq!(told.len(), 1, "{told:?}");
-    assert!(told[0].starts_with("\"rug\" lies in the plane of \"the floor\""), "{}", told[0]);
-    assert!(told[0].contains("Move it out by 0.06 mm"), "four offsets of rays: {}", told[0]);
+    // Four times 64 units in the last place of its largest coordinate.
+    assert!(told[0].contains("Move it out by 0.03 mm or more"), "{}", told[0]);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Lights and environments of unknown brightness.
 
+use super::stated::{apart, environment_of};
 use super::*;
 
 #[test]
@@ -30,6 +31,9 @@ fn the_light_from_all_around_may_be_unknown() {
         assert!((rho_d - truth).abs().max_element() < 0.01, "{name}: {rho_d}");
     }
     // It is part of the results.
+    folder.succeeds(&["export", "out", "--to", "mitsuba", "--out", "mitsuba"]);
+    let exported = environment_of(&folder, "mitsuba/scene.xml").uniform().unwrap();
+    assert!((exported - Rgb::from_array(mean)).abs().max_element() < 1e-6, "{exported}");
     let again = ["restage", "--recovered", "out", "--project", "project.toml", "--spp", "64"];
     folder.succeeds(&[&again[..], &["--out", "new"]].concat());
     let off = difference(&folder.read("new/synthetic.png"), &folder.read("photo.png"));
@@ -116,6 +120,13 @@ fn light_may_be_unknown_direction_by_direction() {
     }
     let r = correlation(&found_by_place, &true_by_place);
     assert!(r > 0.7, "correlation {r}: {found_by_place:?} {true_by_place:?}");
+    // It goes along in exports.
+    let pixels = panorama.radiance.iter().map(|radiance| Rgb::from_array(*radiance)).collect();
+    let recovered = RgbImage::new(panorama.columns, panorama.rows, pixels);
+    let recovered = Environment::new(recovered, 0.0).unwrap();
+    folder.succeeds(&["export", "out", "--to", "mitsuba", "--out", "mitsuba"]);
+    let off = apart(&environment_of(&folder, "mitsuba/scene.xml"), &recovered);
+    assert!(off < 0.01, "{off}");
     // It is part of the results, with and without the project. Surfaces are nearer to the photograph than pixels
     // that show the sky itself, which are not used to recover it.
     let scene = corner();

@@ -54,7 +54,7 @@ const SENSORS: &Shared = &Shared {
         read("principal_point_offset_y", "how far the axis is off the middle"),
         read("<film>", "the sides of the picture"),
         passed("<sampler>", "how pixels are sampled"),
-        passed("near_clip", "nearer surfaces are seen, too"),
+        read("near_clip", "the depth from which on surfaces are seen; 0.01 by default"),
         passed("far_clip", "surfaces further away are seen, too"),
         passed("focus_distance", "all is sharp"),
         passed("shutter_open", "nothing moves"),
