@@ -7,7 +7,7 @@ use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
 use unrender_restage::remove::{Bearer, Remove};
 use unrender_restage::repaint::{Paint, Repaint};
 use unrender_restage::{Edit, apply};
-use unrender_scene::{LightKind, Rgb, UpAxis};
+use unrender_scene::{LightKind, Rgb, Scene, UpAxis};
 
 const STILL: Alter = Alter { scale: Rgb::ONE, strength: None, shift: Vec3::ZERO, direction: None };
 
@@ -58,6 +58,12 @@ fn models_in_other_units_are_told_with_both_sizes() {
     }
 }
 
+/// The lowest and the highest corner of the box around the last object.
+fn bounds_of_last(scene: &Scene) -> [Vec3; 2] {
+    let points = &scene.objects.last().unwrap().mesh.positions;
+    [Vec3::min, Vec3::max].map(|of| points.iter().copied().reduce(of).unwrap())
+}
+
 #[test]
 fn things_are_put_down_where_their_foot_is() {
     for (place, foot) in [
@@ -76,9 +82,7 @@ fn things_are_put_down_where_their_foot_is() {
         let mut insert = insertion(0.0, 0.0);
         (insert.place, insert.scale) = (place, 0.5);
         apply(&mut scene, &[Edit::Insert(insert)]).unwrap();
-        let points = &scene.objects.last().unwrap().mesh.positions;
-        let low = points.iter().copied().reduce(Vec3::min).unwrap();
-        let high = points.iter().copied().reduce(Vec3::max).unwrap();
+        let [low, high] = bounds_of_last(&scene);
         let found = (0.5 * (low + high)).with_y(low.y);
         assert!((found - foot).length() < 1e-5, "{found} for {foot}");
         assert!((high.y - low.y - 0.25).abs() < 1e-6);
@@ -107,9 +111,7 @@ fn things_stand_upright_where_z_points_upwards() {
         let mut insert = insertion(0.0, 0.0);
         (insert.place, insert.scale) = (place, 0.5);
         apply(&mut scene, &[Edit::Insert(insert)]).unwrap();
-        let points = &scene.objects.last().unwrap().mesh.positions;
-        let low = points.iter().copied().reduce(Vec3::min).unwrap();
-        let high = points.iter().copied().reduce(Vec3::max).unwrap();
+        let [low, high] = bounds_of_last(&scene);
         assert!(
             ((0.5 * (low + high)).with_z(low.z) - foot).length() < 1e-5,
             "{low} {high} for {foot}"
