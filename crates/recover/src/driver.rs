@@ -4,8 +4,8 @@
 //! hypotheses, each in the light of all the others as they are now, and take what their comparison chooses; all
 //! parameters are fitted again, and the groups whose light has changed are asked again, until none changes. Then all
 //! parameters are refined together, and the hypotheses are compared once more under the refined light; textures are
-//! extracted at the end. A refinement, or a last texture, that explains the whole picture worse ([`crate::verify`]) is
-//! taken back.
+//! extracted at the end. A texture with which the group's re-rendered pixels are explained worse ([`crate::verify`]) is
+//! not taken.
 //!
 //! A change is judged by its own group's pixels, and the whole picture has no say in it: where groups light each other,
 //! the first of several right changes leaves the picture worse until the others have followed.
@@ -50,7 +50,7 @@ pub(crate) fn drive<'a>(
     if refines(&driver) {
         (present, termination) = driver.refine(present)?;
     }
-    let mut result = driver.extract_textures(present).guess;
+    let mut result = driver.extract_textures(present);
     if refines(&driver) {
         driver.progress.begin(Phase::OtherMinima);
         let what = "looking for other materials that explain the photo as well";
@@ -72,9 +72,8 @@ impl Driver<'_, '_> {
     /// All numbers are fitted together, on few paths, and hypotheses are chosen.
     fn select_models<'a>(&mut self, guess: Guess<'a>) -> Result<Verified<'a>, RecoverError> {
         self.progress.begin(Phase::Fits);
-        let first = self.verifier.verify(refine::settle_nuisances(guess, self.options)?);
-        let start = first.guess.clone();
-        let (mut present, _) = self.refine_once(first, Depth::Rough);
+        let start = refine::settle_nuisances(guess, self.options)?;
+        let (mut present, _) = self.refine_once(start.clone(), Depth::Rough);
         let is_off =
             |present: &Verified<'_>| brightness::find(&present.guess, self.options, &start);
         let is_suspect = !self.options.force && is_off(&present).is_some();
@@ -146,7 +145,7 @@ impl Driver<'_, '_> {
             }
             made = self.made(&present, &proposals);
         }
-        let (found, _) = self.refine_once(made, depth);
+        let (found, _) = self.refine_once(made.guess, depth);
         let mut changed = self.changed(&found, &present.score, level);
         changed.retain(|group| proposals.iter().all(|of| of.group != *group));
         (found, changed)
@@ -223,9 +222,8 @@ impl Driver<'_, '_> {
         present: Verified<'a>,
     ) -> Result<(Verified<'a>, Termination), RecoverError> {
         self.verifier.begin_refined(self.options);
-        let present = self.verifier.verify(present.guess);
         self.progress.begin(Phase::Refinement);
-        let (mut present, _) = self.refine_once(present, Depth::Coarse);
+        let (mut present, _) = self.refine_once(present.guess, Depth::Coarse);
         if self.options.effort.asks_again() {
             self.progress.begin(Phase::Revision);
             self.candidates.begin_refined();
@@ -233,7 +231,7 @@ impl Driver<'_, '_> {
             present = self.find_textures(present, REFINED)?;
         }
         self.progress.begin(Phase::LastRefinement);
-        Ok(self.refine_once(present, Depth::Fine))
+        Ok(self.refine_once(present.guess, Depth::Fine))
     }
 
     /// The groups whose light differs between a guess and the score `before` by more than the error that is always
@@ -244,39 +242,27 @@ impl Driver<'_, '_> {
         now.guess.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
     }
 
-    /// One joint refinement; it is taken back if the picture speaks against it, by two sets of random numbers.
-    fn refine_once<'a>(
-        &mut self,
-        present: Verified<'a>,
-        depth: Depth,
-    ) -> (Verified<'a>, Termination) {
-        let decisions = self.progress.decisions.len();
-        let guess = present.guess.clone();
+    /// One joint refinement.
+    fn refine_once<'a>(&mut self, guess: Guess<'a>, depth: Depth) -> (Verified<'a>, Termination) {
         let (guess, termination) = refine::refine(guess, self.options, depth, self.progress);
-        let (present, is_taken_back) = self.better(present, guess);
-        if is_taken_back {
-            self.progress.take_back(decisions);
-        }
+        let present = self.verifier.verify(guess);
         self.progress.show(&present.guess, self.options);
         (present, termination)
     }
 
-    /// `guess`, or the `present` one where the picture speaks against `guess` by two sets of random numbers; and whether
-    /// it does.
-    fn better<'a>(&self, present: Verified<'a>, guess: Guess<'a>) -> (Verified<'a>, bool) {
-        let found = self.verifier.verify(guess);
-        let is_worse = self.verifier.is_worse(&found.score, &present.score)
-            && self.verifier.confirms_worse(&found.guess, &present.guess);
-        (if is_worse { present } else { found }, is_worse)
-    }
-
-    /// The textures once more, with more light samples, under the final light.
-    fn extract_textures<'a>(&self, present: Verified<'a>) -> Verified<'a> {
+    /// The textures once more, with more light samples, under the final light, but for those with which their groups'
+    /// re-rendered pixels are explained worse than before.
+    fn extract_textures<'a>(&self, present: Verified<'a>) -> Guess<'a> {
         let mut groups = present.guess.groups.iter();
         if groups.all(|of_group| of_group.hypothesis != Hypothesis::Textured) {
-            return present;
+            return present.guess;
         }
-        let guess = textures::last(&present.guess, self.options);
-        self.better(present, guess).0
+        let found = self.verifier.verify(textures::last(&present.guess, self.options));
+        let worse = self.verifier.worse(&found.score, &present.score);
+        let mut guess = found.guess;
+        for group in worse {
+            guess.materials[group].clone_from(&present.guess.materials[group]);
+        }
+        guess
     }
 }

@@ -25,7 +25,6 @@ pub mod journal;
 pub mod ladder;
 mod lit;
 pub mod observe;
-mod others;
 pub mod outliers;
 mod picture;
 pub mod problem;

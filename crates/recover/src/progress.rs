@@ -154,14 +154,6 @@ impl<'o> Progress<'o> {
         self.decisions.push((group, decision));
     }
 
-    /// Notes that what was made since there were so many decisions was taken back.
-    pub(crate) fn take_back(&mut self, decisions: usize) {
-        let since = self.decisions[decisions..].iter_mut().map(|(_, decision)| decision);
-        for decision in since.filter(|decision| decision.accepted) {
-            (decision.accepted, decision.rule) = (false, Rule::TakenBack);
-        }
-    }
-
     /// Notes that the last change of `group` was not made: its pixels, re-rendered, speak against it.
     pub(crate) fn refuse(&mut self, group: usize) {
         let of_group = self.decisions.iter_mut().rev().find(|(of, _)| *of == group);

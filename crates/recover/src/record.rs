@@ -190,8 +190,7 @@ pub enum Rule {
     Project,
     /// A method other than the default one goes by rules of its own: the paper's by thresholds of the error.
     Method,
-    /// It was taken back: with a texture the group's re-rendered pixels were explained worse, or after the refinement that
-    /// followed the whole picture was.
+    /// It was taken back: with a texture the group's re-rendered pixels were explained worse.
     TakenBack,
 }
 

@@ -24,10 +24,8 @@ pub(crate) enum Stream {
     ScoreTest = 0x5C02_E7E5,
     /// The pixels of the verification ...
     VerifiedPixels = 0x7E57,
-    /// ... its paths ...
+    /// ... and its paths.
     Verification = 0x5C04E,
-    /// ... and those that confirm a verdict.
-    Confirmation = 0x0B57,
     /// The search for other minima.
     OtherMinima = 0xBA51,
     /// The errors of the groups in the end.

@@ -1,9 +1,8 @@
-//! Verification: how well a guess explains every group, and is it worse than another one, judged by the whole picture?
+//! Verification: how well a guess explains every group, and which groups another one explains worse.
 //!
 //! A sample of every group's pixels is rendered again, with all interreflection and without any cache,
 //! always the same pixels and the same random numbers, so that two guesses differ by what they are and
-//! not by noise. Only where a refinement is about to be taken back, both guesses are rendered once more by other random
-//! numbers. Each group counts by the squared residuals of its blocks, as products of two renderings,
+//! not by noise. Each group counts by the squared residuals of its blocks, as products of two renderings,
 //! in units of their covariance under the observation model ([`crate::compare`]), the sizes of its model error being
 //! estimated: the gain of one group is not lost in the residual of another. Residuals are in units of the photograph's
 //! values, so that guesses of different exposure can be compared.
@@ -13,9 +12,7 @@ use crate::compare::residual::{BlockResiduals, ResidualStats, residual_stats};
 use crate::compare::{Contrast, Side, WORSE};
 use crate::guess::Guess;
 use crate::hypothesis::Hypothesis;
-use crate::observe::model_error::{
-    Allowance, FAINTEST, LightError, LightField, ModelError, level2,
-};
+use crate::observe::model_error::{Allowance, FAINTEST, LightError, LightField, level2};
 use crate::observe::observation::{PixelStatus, Reading};
 use crate::observe::sample::{Sample, Stage};
 use crate::problem::{Options, Role};
@@ -31,28 +28,12 @@ use unrender_scene::Rgb;
 /// iteration.
 const PIXELS: usize = 1200;
 const SPP: u32 = 12;
-/// The same where a verdict is confirmed. Half and double of it were not tried.
-const CONFIRMING_SPP: u32 = 48;
-/// The share of model error below which no difference is significant: while hypotheses change, the
-/// other groups follow on few light samples, and their errors of this size say nothing of the change.
-/// After the refinement the light is better known. At half of it right refinements are taken back
-/// because of noise in other groups; double of it was not tried since changes are not judged by it.
-const FLOOR: f64 = 0.02;
-const REFINED_FLOOR: f64 = 0.01;
-/// The error of the incident light that is always allowed for, as a share of the floor: the other
-/// groups are not right yet, and what they send changes slowly over a surface. At half of it a right
-/// change is taken back because of the level that it leaves, at double slow patterns say nothing.
-const LIGHT: f64 = 1.5;
 
 /// The pixels by which guesses are judged.
 pub(crate) struct Verifier {
     groups: Vec<GroupSample>,
     settings: Settings,
-    /// Paths a pixel where a verdict is confirmed.
-    confirming_spp: u32,
-    /// The share of model error below which no difference between two guesses counts.
-    floor: f64,
-    /// How much model error is allowed for in what is noted of a group: as in its comparisons.
+    /// How much model error is allowed for: as in comparisons of hypotheses.
     allowance: Allowance,
 }
 
@@ -71,15 +52,10 @@ pub(crate) struct Score {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct GroupScore {
     residuals: BlockResiduals,
-    /// The model error below which nothing counts.
+    /// How much model error was allowed for.
     least: Allowance,
     /// How far its pixels are from the photograph.
     residual: ResidualStats,
-}
-
-/// The model error of which a `share` is allowed from block to block.
-fn allowance(share: f64) -> Allowance {
-    Allowance { light: LightError { share: LIGHT * share }, floor: ModelError { share } }
 }
 
 /// A guess that was verified, with its score.
@@ -117,21 +93,18 @@ impl Verifier {
         Self {
             groups: groups.filter(|of| !of.sample.pixels.is_empty()).collect(),
             settings: sample_budget::paths(options.effort.samples(SPP), seed, options),
-            confirming_spp: options.effort.samples(CONFIRMING_SPP),
-            floor: FLOOR.max(options.thresholds.explained),
             allowance: sample_budget::allowance(Level::Choice, options),
         }
     }
 
     /// The numbers are refined from now on.
     pub(crate) fn begin_refined(&mut self, options: &Options) {
-        self.floor = REFINED_FLOOR.max(options.thresholds.explained);
         self.allowance = sample_budget::allowance(Level::Refined, options);
     }
 
     /// Renders the sample under `guess`, and notes in it how well its groups are explained.
     pub(crate) fn verify<'a>(&self, mut guess: Guess<'a>) -> Verified<'a> {
-        let score = guess.steps.value("verification", || self.score(&guess, &self.settings));
+        let score = guess.steps.value("verification", || self.score(&guess));
         for (GroupSample { group, sample }, of_group) in self.groups.iter().zip(&score.groups) {
             let at = &mut guess.groups[*group];
             if at.hypothesis == Hypothesis::Textured {
@@ -145,26 +118,16 @@ impl Verifier {
         Verified { guess, score }
     }
 
-    /// Whether `found` is worse than `best` by other random numbers, and more of them: of guesses that were judged by the
-    /// same ones, the best is partly the one that fits their noise.
-    pub(crate) fn confirms_worse(&self, found: &Guess<'_>, best: &Guess<'_>) -> bool {
-        let seed = Stream::Confirmation.change(self.settings.seed);
-        let settings = Settings { seed, spp: self.confirming_spp, ..self.settings };
-        let score =
-            |guess: &Guess<'_>| guess.steps.value("verification", || self.score(guess, &settings));
-        self.is_worse(&score(found), &score(best))
-    }
-
-    /// How well `guess` explains the photograph, by the paths of `settings`.
-    fn score(&self, guess: &Guess<'_>, settings: &Settings) -> Score {
+    /// How well `guess` explains the photograph.
+    fn score(&self, guess: &Guess<'_>) -> Score {
         let all: Vec<u32> = self.groups.iter().flat_map(|of| of.sample.numbers()).collect();
-        let halves = render(guess, &all, settings);
+        let halves = render(guess, &all, &self.settings);
         let mut start = 0;
         let of_group = |of: &GroupSample| {
             let range = start..start + of.sample.pixels.len();
             start = range.end;
             let halves = halves.each_ref().map(|half| half[range.clone()].to_vec());
-            of.score(guess, allowance(self.floor), halves)
+            of.score(guess, self.allowance, halves)
         };
         Score { groups: self.groups.iter().map(of_group).collect() }
     }
@@ -180,34 +143,17 @@ impl Verifier {
         changed.map(|(sample, _)| sample.group).collect()
     }
 
-    /// Whether the picture speaks against the guess of the score `mine`: its deviance is higher than under `other` by more
-    /// than [`WORSE`] standard deviations of the difference under either model, whose variance is `4 S`, with `S` their
-    /// separation, plus that by the renderings' noise. Blocks count as independent: in doubt, and where a picture is no
-    /// number, a guess is called worse.
-    pub(crate) fn is_worse(&self, mine: &Score, other: &Score) -> bool {
-        let contrasts = self.contrasts(mine, other);
-        let sums = contrasts.iter().map(|(_, of)| [of.difference, of.variance()]);
-        let [difference, variance] =
-            sums.fold([0.0; 2], |sum, of| [sum[0] + of[0], sum[1] + of[1]]);
-        is_above(difference, variance)
-    }
-
-    /// The groups whose own pixels alone speak against the guess of the score `mine`, by the same rule.
+    /// The groups whose pixels speak against the guess of the score `mine`: their deviance is higher than under `other` by
+    /// more than [`WORSE`] standard deviations of the difference under either model, whose variance is `4 S`, with `S`
+    /// their separation, plus that by the renderings' noise. Blocks count as independent: in doubt, and where a picture
+    /// is no number, a guess is called worse.
     pub(crate) fn worse(&self, mine: &Score, other: &Score) -> Vec<usize> {
-        let contrasts = self.contrasts(mine, other).into_iter();
-        let worse = contrasts.filter(|(_, of)| is_above(of.difference, of.variance()));
-        worse.map(|(group, _)| group).collect()
-    }
-
-    fn contrasts(&self, mine: &Score, other: &Score) -> Vec<(usize, Contrast)> {
+        let is_worse =
+            |of: &Contrast| of.difference.is_nan() || of.difference > WORSE * of.variance().sqrt();
         let both = self.groups.iter().zip(mine.groups.iter().zip(&other.groups));
-        both.map(|(of, (mine, other))| (of.group, of.contrast(mine, other))).collect()
+        let worse = both.filter(|(of, (mine, other))| is_worse(&of.contrast(mine, other)));
+        worse.map(|(of, _)| of.group).collect()
     }
-}
-
-/// Whether a difference with this variance is above [`WORSE`] of its standard deviations, or no number.
-fn is_above(difference: f64, variance: f64) -> bool {
-    difference.is_nan() || difference > WORSE * variance.sqrt()
 }
 
 /// `pixels` under `guess`, twice.
@@ -225,13 +171,14 @@ impl GroupSample {
         let [a, b]: &[Vec<Rgb>; 2] = &model;
         let light: Vec<Rgb> = a.iter().zip(b).map(|(a, b)| 0.5 * (*a + *b)).collect();
         let mut sample = self.sample.clone();
+        let share = least.floor.share;
         let (status, smooth) = (&guess.observation.status, sample.blocks.smooth(&light));
         for (seen, &block) in sample.pixels.iter_mut().zip(&sample.blocks.of_pixel) {
             let block = block as usize;
             seen.radiance = guess.value(seen.pixel as usize);
             seen.variance = seen.noise.variance(smooth[block]);
             seen.weight =
-                (seen.variance + (FLOOR * FLOOR) as f32 * seen.level * seen.level).recip();
+                (seen.variance + (share * share) as f32 * seen.level * seen.level).recip();
             if status.pixels()[seen.pixel as usize] == PixelStatus::Outlier {
                 seen.reading = Reading::Nothing;
             }

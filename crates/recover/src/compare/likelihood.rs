@@ -34,15 +34,15 @@ pub struct Likelihood {
 const STEP: f64 = 1.25;
 /// The largest share that is tried: the residual is as large as the photograph.
 const LARGEST: f64 = 2.0;
-/// Errors of the light are tried in steps of this factor, and so many of them: up to sixteen times
-/// what is always allowed for. With half as many, a real scene's roughly modelled lamp causes spurious broad lobes;
-/// with more, nothing changes.
+/// Errors of the light are tried in steps of this factor, and so many of them: up to four times what is always allowed
+/// for. With twice as many steps a table that is a mirror in a room of metal passes for an error of the light. In drafts of
+/// a tiny room of brushed things, 18 of 25 groups are right; with half as many 16, with twice as many 23.
 const LIGHT_STEP: f64 = 2.0;
-const LIGHT_STEPS: i32 = 4;
+const LIGHT_STEPS: i32 = 2;
 
 impl Likelihood {
     /// The likelihood of `residuals`, with the most likely sizes of the model error's two parts: the
-    /// share at least `floor`, the light's error within the limits of `field`; the latter's amplitudes are
+    /// share at least `floor`, the light's error one of those that `field` leads to; the latter's amplitudes are
     /// integrated out.
     pub fn of(residuals: &BlockResiduals, field: &LightField, floor: ModelError) -> Self {
         let lights = lights(field);
@@ -96,11 +96,10 @@ impl Likelihood {
     }
 }
 
-/// The errors of the light that are tried, within the limits of `field`.
+/// The errors of the light that are tried: the least of `field` and up.
 fn lights(field: &LightField) -> Vec<LightError> {
     (0..=LIGHT_STEPS)
         .map(|step| LightError { share: field.least.share * LIGHT_STEP.powi(step) })
-        .filter(|light| light.share <= field.most.share.max(field.least.share))
         .collect()
 }
 

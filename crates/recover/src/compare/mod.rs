@@ -24,7 +24,7 @@ use unrender_scene::Rgb;
 /// none, a plain ceiling of a real room becomes a lobe under one seed of six; at half of it chance rejects faint lobes
 /// where they are checked, at double it accepts wrong ones.
 pub(crate) const CERTAIN: f64 = 2.0;
-/// A change is refused, or a step taken back, if it leaves more by this many standard deviations of the difference. At half
+/// A texture is refused, or a step taken back, if it leaves more by this many standard deviations of the difference. At half
 /// of it noise takes back what is right; double of it was not tried.
 pub const WORSE: f64 = 3.0;
 /// Two models explain a group equally well up to this difference of their squared residuals, in units of their covariance:

@@ -1,7 +1,7 @@
 //! Residuals: how far a model is from the photograph, pixel by pixel and block by block, apart from all noise.
 //!
-//! One rule holds for clipped pixels everywhere: what they show is a lower bound, so that they have a residual only where
-//! the model is darker. Pixels of something that is not in the model have none.
+//! One rule holds for clipped pixels everywhere: what they show is a lower bound, so that they have a residual only in the
+//! channels in which the model is darker, those of a block together. Pixels of something that is not in the model have none.
 //!
 //! `relative^2 = (sum W r_A r_B - sum W sigma^2) / sum W B^2`: the share of the photograph that
 //! neither the model nor the noise explains. The products of residuals under two seeds are free of
@@ -150,11 +150,15 @@ impl BlockResiduals {
         let light: Vec<Rgb> = (0..n).map(|i| 0.5 * (model[0][i] + model[1][i])).collect();
         let residual: Vec<Rgb> = (0..n).map(|i| pixels[i].radiance - light[i]).collect();
         let smooth = blocks.smooth(&light);
-        // A clipped pixel counts only where the model is darker.
+        // The clipped pixels of a block count in the channels in which the model is darker than them.
+        let beyond = blocks.mean_where(&residual, |i| pixels[i].reading == Reading::AtLeast);
         let counts = |i: usize| match pixels[i].reading {
-            Reading::Value => true,
-            Reading::AtLeast => smooth[blocks.of_pixel[i] as usize].cmplt(pixels[i].radiance).any(),
-            Reading::Nothing => false,
+            Reading::Value => Rgb::ONE,
+            Reading::AtLeast => {
+                let is_darker = beyond[blocks.of_pixel[i] as usize].cmpgt(Rgb::ZERO);
+                Rgb::select(is_darker, Rgb::ONE, Rgb::ZERO)
+            }
+            Reading::Nothing => Rgb::ZERO,
         };
         let half: Vec<Rgb> = (0..n).map(|i| 0.5 * (model[0][i] - model[1][i])).collect();
         let rendering: Vec<Rgb> = half.iter().map(|half| *half * *half).collect();
@@ -163,15 +167,15 @@ impl BlockResiduals {
         let mut level2 = blocks.mean_where(&level2, |_| true);
         let rendering = pooled(&blocks.smooth(&rendering), &smooth);
         blocks.spread_over_fine(&mut level2);
-        let photograph = blocks.mean_where(&photograph, counts);
-        let mut counted = vec![0u32; blocks.len()];
-        (0..n).filter(|i| counts(*i)).for_each(|i| counted[blocks.of_pixel[i] as usize] += 1);
-        let size = |k: usize| counted[k].max(1) as f32;
+        let photograph = blocks.mean_where(&photograph, |_| true);
+        let mut counted = vec![Rgb::ZERO; blocks.len()];
+        (0..n).for_each(|i| counted[blocks.of_pixel[i] as usize] += counts(i));
+        let size = |k: usize| counted[k].max(Rgb::ONE);
         let rendering: Vec<Rgb> = (0..blocks.len()).map(|k| rendering[k] / size(k)).collect();
         let noise = (0..blocks.len()).map(|k| photograph[k] / size(k) + rendering[k]).collect();
         let missing = vec![Rgb::ZERO; blocks.len()];
-        let residual = blocks.mean_where(&residual, counts);
-        let half = blocks.mean_where(&half, counts);
+        let residual = blocks.mean_of(&residual, counts);
+        let half = blocks.mean_of(&half, counts);
         Self { residual, noise, rendering, half, missing, level2, light: smooth }
     }
 }
@@ -186,4 +190,42 @@ pub(crate) fn pooled(measured: &[Rgb], light: &[Rgb]) -> Vec<Rgb> {
     let relative = variance / squares.max(Rgb::splat(f32::MIN_POSITIVE));
     let of_block = |(v, light): (&Rgb, &Rgb)| 0.5 * (*v + relative * *light * *light);
     measured.iter().zip(light).map(of_block).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDE: usize = 4;
+
+    /// The residuals over one block of pixels clipped at one, under a model of the radiance `model` of each.
+    fn clipped(model: impl Fn(usize) -> Rgb) -> BlockResiduals {
+        let mut sample = Sample::square(SIDE, SIDE, |_| Rgb::ONE);
+        sample.pixels.iter_mut().for_each(|seen| seen.reading = Reading::AtLeast);
+        let model: Vec<Rgb> = (0..SIDE * SIDE).map(model).collect();
+        BlockResiduals::over(&sample, &[model.clone(), model])
+    }
+
+    #[test]
+    fn clipped_pixels_have_a_residual_in_the_channels_in_which_the_model_is_darker() {
+        let of = clipped(|_| Rgb::new(3.0, 1.0, 0.8));
+        assert!((of.residual[0] - Rgb::new(0.0, 0.0, 0.2)).length() < 1e-6, "{:?}", of.residual);
+        // The noise of a channel that says nothing is no less than that of one pixel.
+        assert!(of.noise[0].z < of.noise[0].x + 1e-9, "{:?}", of.noise);
+    }
+
+    #[test]
+    fn noise_of_a_bright_model_is_no_residual_of_clipped_pixels() {
+        let of = clipped(|i| Rgb::splat(if i % 4 == 0 { 0.5 } else { 1.5 }));
+        assert_eq!(of.residual[0], Rgb::ZERO);
+    }
+
+    #[test]
+    fn measured_pixels_count_beside_clipped_ones() {
+        let mut sample = Sample::square(SIDE, SIDE, |_| Rgb::ONE);
+        sample.pixels[0].reading = Reading::AtLeast;
+        let model = vec![Rgb::splat(1.5); SIDE * SIDE];
+        let of = BlockResiduals::over(&sample, &[model.clone(), model]);
+        assert!((of.residual[0] + Rgb::splat(0.5)).length() < 1e-6, "{:?}", of.residual);
+    }
 }

@@ -15,7 +15,6 @@ use crate::compare::Measured;
 use crate::compare::residual::ResidualStats;
 use crate::guess::{GroupGuess, Guess};
 use crate::hypothesis::{Fit, Hypothesis};
-use crate::others::{MIDDLE, error_of_others, left_by_others, light_of_others};
 use crate::outliers;
 use crate::problem::Options;
 use crate::progress::Progress;
@@ -31,20 +30,15 @@ const WORST: f64 = 0.5;
 const ASKED_MAX: usize = 6;
 /// A diffuse group is open if its model error is this many times what is always allowed for.
 const CLEARLY: f64 = 1.5;
-/// A group may have outliers if its residual under a uniform hypothesis is this many times that of the scene's better
-/// groups: at half of it shadows of things that the model lacks are left out, at double small outliers are fitted.
-const UNEXPLAINED: f64 = 6.0;
-/// A uniform hypothesis explains a group if its residual is at most this many times that of the better groups. At half of
-/// it every group is asked with all light samples; double of it keeps hypotheses that more samples would refuse.
-const EXPLAINED: f64 = 2.0;
+/// A group may have outliers if its relative residual under a uniform hypothesis is above this: at half of it shadows of
+/// things that the model lacks are left out, at double small outliers are fitted.
+const UNEXPLAINED: f64 = 0.06;
+/// A uniform hypothesis explains a group if its relative residual is at most this. At half of it every group is asked with
+/// all light samples; double of it keeps hypotheses that more samples would refuse.
+const EXPLAINED: f64 = 0.02;
 /// A lobe over a texture is another one if its roughness is so many times as large or small. At half of the difference
 /// the noise of the light changes it back and forth, double of it is visible.
 const OTHER_LOBE: f32 = 1.3;
-/// The scene's better groups: those below this quantile of the residual. A group that no hypothesis
-/// explains yet must not hide the others' textures.
-const BETTER: f64 = 0.25;
-/// The residual of the better groups is taken as at least this: no real scene is modelled better.
-const TYPICAL_MIN: f64 = 0.01;
 /// How often outliers are searched for, each time without those before.
 const OUTLIER_ROUNDS: usize = 3;
 
@@ -175,18 +169,13 @@ impl<'o> Candidates<'o> {
     /// The proposal that the candidates of `group` lead to.
     fn ask(&self, guess: &Guess<'_>, group: usize, level: Level) -> Answer {
         let pixels = guess.observation.informative_of_group[group].len();
-        let mut budget =
+        let budget =
             sample_budget::candidates(level, self.options, &guess.problem.unknown_lights, pixels);
-        // The model may be as wrong here as it is for the other groups.
-        let share = &mut budget.allowance.floor.share;
-        *share = share.max(error_of_others(guess, group, MIDDLE));
-        let typical = typical(guess, group);
-        let most = light_of_others(guess, group);
-        let by = Gathering { options: self.options, group, most, budget };
+        let by = Gathering { options: self.options, group, budget };
         let asking = Asking {
             by,
             level,
-            explained: EXPLAINED * typical,
+            explained: EXPLAINED,
             stands: sample_budget::is_light_to_spare(
                 level,
                 self.options,
@@ -208,7 +197,7 @@ impl<'o> Candidates<'o> {
         let uniform =
             Proposal { is_other_minimum, ..Proposal::uniform(group, &chosen, &fitted.outliers) };
         let proposal = if guess.problem.groups[group].allows(chosen.hypothesis) {
-            let left = self.without_outliers(guess, group, evidence, chosen, typical);
+            let left = self.without_outliers(guess, group, evidence, chosen);
             let left = left.map(|left| Proposal::uniform(group, left.chosen(), &left.outliers));
             left.or(Some(uniform))
         } else {
@@ -299,18 +288,16 @@ impl<'o> Candidates<'o> {
         (Some(measured), Some(proposal))
     }
 
-    /// The fits to the group without its outliers, if one of them explains it, where `fit` to all of it does not. The
-    /// better ones of the other groups leave `typical`.
+    /// The fits to the group without its outliers, if one of them explains it, where `fit` to all of it does not.
     fn without_outliers(
         &self,
         guess: &Guess<'_>,
         group: usize,
         mut evidence: EvidencePair,
         mut fit: Fit,
-        typical: f64,
     ) -> Option<Fitted> {
-        let limit = UNEXPLAINED * typical;
-        if !self.options.outliers || is_explained(&fit, limit, evidence.judging.allowance.floor) {
+        let floor = evidence.judging.allowance.floor;
+        if !self.options.outliers || is_explained(&fit, UNEXPLAINED, floor) {
             return None;
         }
         let geometry = guess.problem.renderer.geometry();
@@ -334,7 +321,7 @@ impl<'o> Candidates<'o> {
             evidence = left;
             let choice = decide(self.options, &fits, &evidence.judging);
             let chosen = &fits[choice.chosen];
-            if is_explained(chosen, limit, evidence.judging.allowance.floor) {
+            if is_explained(chosen, UNEXPLAINED, floor) {
                 return Some(Fitted { fits, choice, outliers: found });
             }
             fit = chosen.clone();
@@ -350,11 +337,6 @@ fn is_other_lobe(present: &Material, lobe: &Material) -> bool {
         (true, true) => a.max(b) > OTHER_LOBE * a.min(b),
         (before, now) => before != now,
     }
-}
-
-/// The residual of the better ones of the groups other than `group`.
-fn typical(guess: &Guess<'_>, group: usize) -> f64 {
-    left_by_others(guess, group, BETTER).max(TYPICAL_MIN)
 }
 
 /// What the candidates of one group came to.

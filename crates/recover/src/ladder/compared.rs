@@ -98,12 +98,7 @@ impl Asking<'_> {
         };
         let rungs = open.iter().map(rung).collect();
         let effort = self.level.effort(self.by.options, &guess.problem.unknown_lights);
-        let by = Criteria {
-            options: self.by.options,
-            effort,
-            allowance: self.by.budget.allowance,
-            most: self.by.most,
-        };
+        let by = Criteria { options: self.by.options, effort, allowance: self.by.budget.allowance };
         let OnPaths { rungs, choice: Choice { chosen, excess, open: still } } =
             side_by_side::compare(guess, &by, self.by.group, rungs);
         choice.open = still.into_iter().map(|i| open[i]).collect();

@@ -3,7 +3,7 @@
 use crate::evidence::{Evidence, SampleBudget};
 use crate::guess::Guess;
 use crate::hypothesis::{self, Fit, Hypothesis, Search};
-use crate::observe::model_error::{LightError, ModelError};
+use crate::observe::model_error::ModelError;
 use crate::problem::Options;
 use crate::selection;
 use crate::streams::Stream;
@@ -28,8 +28,6 @@ pub(super) struct EvidencePair {
 pub(super) struct Gathering<'a> {
     pub(super) options: &'a Options,
     pub(super) group: usize,
-    /// Candidates may explain residuals by an error of the incident light of at most this.
-    pub(super) most: LightError,
     pub(super) budget: SampleBudget,
 }
 
@@ -74,8 +72,7 @@ impl Gathering<'_> {
         let pixels = &guess.observation.informative_of_group[self.group];
         let (stage, appearance) = (guess.stage(), guess.appearance());
         let evidence = Evidence::gather(&stage, appearance, self.group, pixels, &budget);
-        let mut evidence = evidence.expecting(guess.problem.groups[self.group].expected);
-        evidence.sample.field.most = self.most;
+        let evidence = evidence.expecting(guess.problem.groups[self.group].expected);
         (!evidence.is_empty()).then_some(evidence)
     }
 }

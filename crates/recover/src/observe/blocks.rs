@@ -256,13 +256,19 @@ impl Blocks {
 
     /// The mean over every block of the `values` whose index `counts`; zero where none does.
     pub fn mean_where(&self, values: &[Rgb], counts: impl Fn(usize) -> bool) -> Vec<Rgb> {
-        let mut sums = vec![(Rgb::ZERO, 0.0f32); self.len()];
-        for (i, &block) in self.of_pixel.iter().enumerate().filter(|(i, _)| counts(*i)) {
+        self.mean_of(values, |i| if counts(i) { Rgb::ONE } else { Rgb::ZERO })
+    }
+
+    /// For every block and channel: the mean of `values`, one a pixel, over those of its pixels whose `share` is one, and
+    /// not zero, in the channel.
+    pub fn mean_of(&self, values: &[Rgb], share: impl Fn(usize) -> Rgb) -> Vec<Rgb> {
+        let mut sums = vec![(Rgb::ZERO, Rgb::ZERO); self.len()];
+        for (i, &block) in self.of_pixel.iter().enumerate() {
             let (sum, count) = &mut sums[block as usize];
-            *sum += values[i];
-            *count += 1.0;
+            *sum += share(i) * values[i];
+            *count += share(i);
         }
-        sums.into_iter().map(|(sum, count)| sum / count.max(1.0)).collect()
+        sums.into_iter().map(|(sum, count)| sum / count.max(Rgb::ONE)).collect()
     }
 
     /// For every block: the mean of `values`, one a pixel, over it and the blocks around it.

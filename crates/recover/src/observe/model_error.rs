@@ -106,9 +106,8 @@ pub(crate) const FUNCTIONS: usize = 13;
 pub struct LightField {
     /// One for each photograph that has blocks.
     pub(crate) photographs: Vec<FieldOfPhotograph>,
-    /// The least standard deviation of each field, and the largest.
+    /// The least standard deviation of each field.
     pub(crate) least: LightError,
-    pub(crate) most: LightError,
 }
 
 /// How the light in one photograph may be wrong: functions of place and orientation, one row a block, each of unit mean
@@ -157,7 +156,7 @@ impl LightField {
     }
 
     pub(crate) fn uniting(photographs: Vec<FieldOfPhotograph>, least: LightError) -> Self {
-        Self { photographs, least, most: LightError { share: f64::INFINITY } }
+        Self { photographs, least }
     }
 
     /// The field of the blocks that are left without the pixels that are flagged.

@@ -7,7 +7,7 @@ use super::unknowns::Unknowns;
 use crate::compare::residual::BlockResiduals;
 use crate::guess::Guess;
 use crate::hypothesis::Hypothesis;
-use crate::observe::model_error::{Allowance, LightError, LightField, ModelError};
+use crate::observe::model_error::{Allowance, ModelError};
 use crate::observe::sample::Sample;
 use crate::sample_budget::TOGETHER;
 use crate::streams::Stream;
@@ -73,20 +73,13 @@ impl Rung {
     }
 }
 
-/// Some of the pixels of `group`, where the light of the others may be wrong by what `allowance` says and at most by
-/// `most`.
-fn sample_of(
-    guess: &Guess<'_>,
-    group: usize,
-    (allowance, most): (Allowance, LightError),
-    settings: &Settings,
-) -> Sample {
+/// Some of the pixels of `group`, where the light of the others may be wrong by what `allowance` says.
+fn sample_of(guess: &Guess<'_>, group: usize, allowance: Allowance, settings: &Settings) -> Sample {
     let valid = &guess.observation.informative_of_group[group];
     let photographs = guess.observation.sheet.of_all(1);
     let count = ((settings.spp / SPP[0]) as usize / photographs).min(PIXELS);
     let (pixels, grid) = Sample::choose(&guess.observation, group, valid, count, settings.seed);
-    let sample = Sample::of(&guess.stage(), group, (&pixels, &grid), allowance.light);
-    Sample { field: LightField { most, ..sample.field }, ..sample }
+    Sample::of(&guess.stage(), group, (&pixels, &grid), allowance.light)
 }
 
 /// Weights the residuals of `sample` by the light of the first of `contenders`.
@@ -110,10 +103,10 @@ pub(super) fn fit_and_render(
     guess: &Guess<'_>,
     group: usize,
     rungs: Vec<Rung>,
-    allowed: (Allowance, LightError),
+    allowance: Allowance,
     settings: Settings,
 ) -> (Vec<Contender>, Sample) {
-    let mut sample = sample_of(guess, group, allowed, &settings);
+    let mut sample = sample_of(guess, group, allowance, &settings);
     let settings = of_one_pixel(settings, sample.pixels.len());
     let (mut contenders, drawn) = fit_all(guess, group, rungs, (&sample, &settings));
     // The paths of the fits are no longer needed, and take as much memory as the next.

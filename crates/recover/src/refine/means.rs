@@ -41,7 +41,7 @@ pub(crate) struct Mean {
     /// Photograph minus rendering, for each of the two renderings.
     pub(crate) residuals: [Rgb; 2],
     /// The mean of both renderings.
-    light: Rgb,
+    pub(crate) light: Rgb,
     /// The noise of one pixel of the photograph.
     noise: Noise,
     /// The variance of the photograph's noise, at the model's brightness.

@@ -11,7 +11,8 @@
 //! within a cell: `G = sum g_b g_b^T` [Huber 1967; White 1982]. The fit makes residuals smaller than the noise, most
 //! where a cell has the leverage `h_b = w J_b H^-1 J_b^T`, as the few cells of a highlight have: the residuals of `g_b`
 //! are divided by `1 - h_b`, about what they would be if the cell had been left out of the fit [MacKinnon and White
-//! 1985, HC3].
+//! 1985, HC3]. What is wrong with a whole group alike does not spread over its cells: in each photograph a group's light
+//! may be wrong by a share of its own.
 
 use super::means::Mean;
 use super::unknowns::Unknowns;
@@ -31,7 +32,7 @@ pub(crate) struct Normal {
     pub(crate) g: DVector<f64>,
     /// The covariance of `g` if all cells were independent.
     pub(crate) g_covariance: DMatrix<f64>,
-    /// The covariance of `g` with the correlation of neighbours.
+    /// The covariance of `g` with the correlation of neighbours, and the error of each group's whole light.
     pub(crate) g_dependent: DMatrix<f64>,
     /// The part of it due to the renderings' noise.
     pub(crate) g_rendering: DMatrix<f64>,
@@ -56,6 +57,11 @@ const RESIDUAL_MIN: f32 = 1e-6;
 /// A cell counts at most this many times the median when the noise of a group is measured: one
 /// firefly is not the group's noise.
 const OUTLIER: f32 = 30.0;
+
+/// The standard deviation of a group's light as a whole in one photograph, as a share of it: two renderers' pictures of the same materials
+/// differ by 0.1 to 0.4 % of a group's mean. Without it 89 % of the numbers of 14 drafted rooms lie within two of their
+/// standard deviations, with half of it 92 %, with it 92.5 %, with double 93 %.
+const LEVEL: f64 = 0.003;
 
 /// Leverages above this count as this when a cell's residual is corrected for the fit: derivatives are noisy, and with
 /// them the leverages near one.
@@ -113,6 +119,7 @@ impl Normal {
         let h = &self.h + DMatrix::from_diagonal(&known);
         let inverse = h.cholesky().map_or(DMatrix::zeros(n, n), |factors| factors.inverse());
         let dependence = dependence(means, &self.weights);
+        let mut levels: BTreeMap<(usize, usize), DVector<f64>> = BTreeMap::new();
         for (mean, weight) in means.iter().zip(&self.weights) {
             let shrink = |k: usize| shrinkage[(mean.group, k)];
             let left = |channel: usize, [a, b]: [f64; 2]| {
@@ -125,12 +132,19 @@ impl Normal {
             let noise = |_, [a, b]: [f64; 2]| [0.5 * (a - b); 2];
             let g = gradient(mean, *weight, shrinkage, left);
             let g_rendering = gradient(mean, *weight, shrinkage, noise);
+            let level = |channel, _| [f64::from(mean.light[channel]); 2];
+            let of_group = levels.entry((mean.group, mean.place.photograph));
+            *of_group.or_insert_with(|| DVector::zeros(n)) +=
+                gradient(mean, *weight, shrinkage, level);
             let (all, rendering) = (&inverse * &g, &inverse * &g_rendering);
             let other = all.component_mul(&all) - rendering.component_mul(&rendering);
             self.doubt += other.component_mul(&other);
             self.g_covariance.syger(1.0, &g, &g, 1.0);
             self.g_dependent.syger(dependence[&mean.group], &g, &g, 1.0);
             self.g_rendering.syger(1.0, &g_rendering, &g_rendering, 1.0);
+        }
+        for level in levels.values() {
+            self.g_dependent.syger(LEVEL * LEVEL, level, level, 1.0);
         }
         self.doubt.apply(|square| *square = square.sqrt());
         self.g_covariance.fill_upper_triangle_with_lower_triangle();

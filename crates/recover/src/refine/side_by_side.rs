@@ -11,7 +11,7 @@ use crate::compare::Difference;
 use crate::compare::{Contrast, Side};
 use crate::effort::Effort;
 use crate::guess::Guess;
-use crate::observe::model_error::{Allowance, LightError, ModelError};
+use crate::observe::model_error::{Allowance, ModelError};
 use crate::observe::sample::Sample;
 use crate::problem::Options;
 use crate::sample_budget;
@@ -37,8 +37,6 @@ pub(crate) struct Criteria<'o> {
     pub(crate) effort: Effort,
     /// How much error of the model and the others' light is always allowed for.
     pub(crate) allowance: Allowance,
-    /// The most that the others' light may be wrong.
-    pub(crate) most: LightError,
 }
 
 /// Those that are compared.
@@ -68,8 +66,8 @@ pub(crate) fn compare(
         let seed = Stream::SideBySide.seed(by.options.seed ^ ((level as u64) << 32));
         let settings = sample_budget::paths(spp, seed, by.options);
         let rungs: Vec<Rung> = competing.iter().map(|i| starts[*i].clone()).collect();
-        let allowed = (by.allowance, by.most);
-        let (found, sample) = contenders::fit_and_render(guess, group, rungs, allowed, settings);
+        let (found, sample) =
+            contenders::fit_and_render(guess, group, rungs, by.allowance, settings);
         for (i, contender) in competing.iter().zip(&found) {
             compared.rungs[*i] = contender.rung.clone();
         }
@@ -169,6 +167,7 @@ mod tests {
     use crate::compare::residual::BlockResiduals;
     use crate::hypothesis::Hypothesis;
     use crate::observe::blocks::{Blocks, Grid};
+    use crate::observe::model_error::LightError;
     use crate::observe::model_error::LightField;
     use unrender_render::sampler::mix;
     use unrender_scene::Sheet;

@@ -14,7 +14,6 @@ use crate::compare::{CERTAIN, Measured, WORSE};
 use crate::expected::{ALPHA_RANGE, Like};
 use crate::guess::Guess;
 use crate::hypothesis::{Hypothesis, anisotropic};
-use crate::others::light_of_others;
 use crate::problem::Options;
 use crate::progress::Progress;
 use crate::record::{Covariance, Deviations, LightResult, Rule, Status};
@@ -268,7 +267,6 @@ impl Verdict<'_> {
             options,
             effort: options.effort,
             allowance: sample_budget::allowance(Level::Refined, options),
-            most: light_of_others(guess, self.group),
         };
         let to = simpler.hypothesis;
         let compared = side_by_side::compare(guess, &by, self.group, vec![simpler, present]);

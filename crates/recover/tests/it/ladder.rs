@@ -111,6 +111,10 @@ fn every_rung_is_found_with_its_numbers() {
     let dark = checkers.sample(Vec2::new(12.0 / 64.0, 3.0 / 24.0));
     assert!(close(light, Rgb::new(0.7, 0.5, 0.2), 0.01), "{light}");
     assert!(close(dark, Rgb::splat(0.1), 0.01), "{dark}");
+    // Without noise a group's light as a whole is uncertain by 0.3 %.
+    let diffuse = &recovery.groups[0];
+    let std = diffuse.std.and_then(|std| std.rho_d).unwrap() / diffuse.material.rho_d;
+    assert!(close(std, Rgb::splat(0.003), 2e-4), "{std}");
     // A group that no pixel shows is assumed to be as light as walls are.
     let unseen = recovery.groups.last().unwrap();
     assert_eq!((unseen.status, unseen.pixels), (Status::Assumed, 0));
@@ -202,6 +206,23 @@ fn mirrors_that_are_thought_a_little_diffuse_are_mirrors() {
     assert_eq!(second.hypothesis, Hypothesis::PartialMirror);
     assert!(close(second.material.rho_s, dim.rho_s, 1e-3), "{:?}", second.material);
     assert_eq!(second.material.rho_d, Rgb::ZERO);
+}
+
+#[test]
+fn a_faint_lobe_is_found_beside_groups_that_no_hypothesis_explains() {
+    let faint = Material::isotropic(Rgb::splat(0.4), Rgb::splat(0.03), 0.15);
+    let renderer = Stripes::new(vec![checkers(), checkers(), faint.clone()]);
+    let options = Options { effort: Effort::Draft, ..Options::default() };
+    let recovery = with_problem(&renderer, ExposureRule::Fixed(Rgb::ONE), 1.0, |problem| {
+        let mut problem = problem.clone();
+        for group in &mut problem.groups[..2] {
+            group.rungs.retain(|rung| *rung != Hypothesis::Textured);
+        }
+        recover(&problem, &options, &mut ()).unwrap()
+    });
+    let found = &recovery.groups[2];
+    assert_eq!(found.hypothesis, Hypothesis::Isotropic, "{:#?}", found.decisions);
+    assert!(close(found.material.rho_s, faint.rho_s, 0.002), "{:?}", found.material);
 }
 
 #[test]
