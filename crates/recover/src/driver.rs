@@ -262,6 +262,7 @@ impl Driver<'_, '_> {
         let mut guess = found.guess;
         for group in worse {
             guess.materials[group].clone_from(&present.guess.materials[group]);
+            guess.groups[group].clone_from(&present.guess.groups[group]);
         }
         guess
     }

@@ -31,10 +31,11 @@ const ASKED_MAX: usize = 6;
 /// A diffuse group is open if its model error is this many times what is always allowed for.
 const CLEARLY: f64 = 1.5;
 /// A group may have outliers if its relative residual under a uniform hypothesis is above this: at half of it shadows of
-/// things that the model lacks are left out, at double small outliers are fitted.
+/// things that the model lacks were left out, at double small outliers were fitted, in scenes whose other groups are
+/// explained to 1 %.
 const UNEXPLAINED: f64 = 0.06;
-/// A uniform hypothesis explains a group if its relative residual is at most this. At half of it every group is asked with
-/// all light samples; double of it keeps hypotheses that more samples would refuse.
+/// A uniform hypothesis explains a group if its relative residual is at most this. At half of it every group was asked with
+/// all light samples; double of it kept hypotheses that more samples would refuse, in the same scenes.
 const EXPLAINED: f64 = 0.02;
 /// A lobe over a texture is another one if its roughness is so many times as large or small. At half of the difference
 /// the noise of the light changes it back and forth, double of it is visible.

@@ -58,9 +58,10 @@ const RESIDUAL_MIN: f32 = 1e-6;
 /// firefly is not the group's noise.
 const OUTLIER: f32 = 30.0;
 
-/// The standard deviation of a group's light as a whole in one photograph, as a share of it: two renderers' pictures of the same materials
-/// differ by 0.1 to 0.4 % of a group's mean. Without it 89 % of the numbers of 14 drafted rooms lie within two of their
-/// standard deviations, with half of it 92 %, with it 92.5 %, with double 93 %.
+/// The standard deviation of a group's light as a whole in one photograph, as a share of it: two renderers' pictures of
+/// the same materials differ by 0.1 to 0.4 % of a group's mean. Without it 89 % of the numbers of 14 drafted rooms lie
+/// within two of their standard deviations; with two thirds of it, it, and five thirds of it 92, 92.5 and 93 %, each
+/// number's own share being added afterwards. Half and double were not tried.
 const LEVEL: f64 = 0.003;
 
 /// Leverages above this count as this when a cell's residual is corrected for the fit: derivatives are noisy, and with
