@@ -1,5 +1,5 @@
-//! What every change has to pass: the result is the best guess that was compared with the photograph, and all comparisons
-//! see the same photograph.
+//! A texture that re-rendered pixels speak against is not taken, not even at the end, and all comparisons see the same
+//! photograph.
 
 use crate::ladder::{close, one_of_each, recovered, with_problem};
 use crate::stripes::{self, Stripes};
