@@ -143,7 +143,7 @@ mod tests {
     use unrender_render::Probes;
     use unrender_render::geometry::PixelGeometry;
     use unrender_render::probe::Mirrored;
-    use unrender_scene::{BrdfModel, Image, Rgb};
+    use unrender_scene::{BrdfModel, Image, Material, Rgb};
 
     const SIDE: usize = 60;
 
@@ -189,6 +189,7 @@ mod tests {
             allowance: Allowance { light, floor: ModelError { share: 0.003 } },
             least_noise: None,
             expected: Default::default(),
+            plain: Material::diffuse(Rgb::ZERO),
         };
         let facing = PixelGeometry { normal: Vec3::Z, tangent: Vec3::X, ..PixelGeometry::EMPTY };
         (evidence, Image::new(SIDE, SIDE, vec![facing; SIDE * SIDE]))

@@ -2,8 +2,9 @@
 //!
 //! All parameters of the present hypotheses are fitted together. The groups that these explain worst are asked for other
 //! hypotheses, each in the light of all the others as they are now, and take what their comparison chooses; all
-//! parameters are fitted again, and the groups whose light has changed are asked again, until none changes. Then all
-//! parameters are refined together, and the hypotheses are compared once more under the refined light; textures are
+//! parameters are fitted again, and the groups whose light has changed are asked again, until none changes. Groups without
+//! gloss get a coat if all surfaces of the scene's format have one and the whole photograph is more likely with that. Then
+//! all parameters are refined together, and the hypotheses are compared once more under the refined light; textures are
 //! extracted at the end. A texture with which the group's re-rendered pixels are explained worse ([`crate::verify`]) is
 //! not taken.
 //!
@@ -87,6 +88,7 @@ impl Driver<'_, '_> {
         {
             return Err(off.into());
         }
+        present = self.add_coats(present)?;
         if self.options.effort.asks_again() {
             present = self.add_lacking(present)?;
         }
@@ -146,8 +148,7 @@ impl Driver<'_, '_> {
             made = self.made(&present, &proposals);
         }
         let (found, _) = self.refine_once(made.guess, depth);
-        let mut changed = self.changed(&found, &present.score, level);
-        changed.retain(|group| proposals.iter().all(|of| of.group != *group));
+        let changed = self.changed(&found, &present.score, level);
         (found, changed)
     }
 
@@ -186,6 +187,25 @@ impl Driver<'_, '_> {
         self.candidates.ask_again(&changed);
         self.candidates.ask_again(&self.candidates.open(&present.guess, by.0));
         self.choose(present, by)
+    }
+
+    /// Where all surfaces of the scene's format have a coat, groups that show no gloss are dull plastics if the whole
+    /// photograph is more likely with that. One group's pixels hardly tell: slow errors of its light look the same.
+    fn add_coats<'a>(&mut self, present: Verified<'a>) -> Result<Verified<'a>, RecoverError> {
+        let coated = present.guess.clone().coated();
+        if coated.materials == present.guess.materials || self.progress.is_cancelled() {
+            return Ok(present);
+        }
+        let mut fit = |guess: Guess<'a>| {
+            let guess = refine::settle_nuisances(guess, self.options)?;
+            Ok::<_, RecoverError>(self.refine_once(guess, Depth::Rough).0)
+        };
+        let (matt, coated) = (fit(present.guess)?, fit(coated)?);
+        if coated.guess.deviance() >= matt.guess.deviance() {
+            return Ok(matt);
+        }
+        self.candidates.ask_again(&self.changed(&coated, &matt.score, Level::Choice));
+        self.choose(coated, ROUGHLY)
     }
 
     /// Where the picture stays unexplained, the diffuse group that would explain most of it by a specular part gets

@@ -29,6 +29,8 @@ pub struct Evidence {
     pub least_noise: Option<Vec<Rgb>>,
     /// Bounds and starting values of the group's numbers.
     pub expected: Expected,
+    /// The group if nothing but its colour is known, black.
+    pub plain: Material,
 }
 
 /// The light at some pixels of one group, twice with independent noise.
@@ -81,13 +83,19 @@ impl Evidence {
         let allowance = budget.allowance;
         let sample = Sample::of(stage, group, (&seen, &grid), allowance.light);
         let (least_noise, expected) = (None, Expected::default());
-        Self { sample, light, allowance, least_noise, expected }
+        let plain = Material::diffuse(Rgb::ZERO);
+        Self { sample, light, allowance, least_noise, expected, plain }
     }
 
     /// The same for a group of which something is `expected`.
     #[must_use]
     pub fn expecting(self, expected: Expected) -> Self {
         Self { expected, ..self }
+    }
+
+    /// The same for a group that is like `plain` if nothing but its colour is known.
+    pub(crate) fn beside(self, plain: Material) -> Self {
+        Self { plain, ..self }
     }
 
     /// Weights every residual by the inverse of its variance, with `material` as the model whose light says how bright each

@@ -4,7 +4,7 @@
 use crate::compare::likelihood::Likelihood;
 use crate::compare::residual::ResidualStats;
 use crate::evidence::Evidence;
-use crate::hypothesis::{self, Fit, Hypothesis};
+use crate::hypothesis::{self, Fit, Hypothesis, plastic};
 use crate::journal::Steps;
 use crate::observe::observation::Observation;
 use crate::observe::photometric::PhotometricEstimate;
@@ -37,6 +37,8 @@ pub(crate) struct Guess<'a> {
     pub(crate) photometric: PhotometricEstimate,
     /// The photograph's radiance where it shows diffuse surfaces.
     pub(crate) seen: Option<Arc<RadianceCache>>,
+    /// Whether surfaces without gloss are taken to have a coat, where the scene's format has one.
+    pub(crate) is_coated: bool,
     /// The journal of the steps that were made.
     pub(crate) steps: Steps<'a>,
 }
@@ -132,6 +134,7 @@ impl<'a> Guess<'a> {
             light_results: Vec::new(),
             photometric,
             seen: None,
+            is_coated: false,
             steps: Steps::default(),
         })
     }
@@ -176,17 +179,16 @@ impl<'a> Guess<'a> {
         }
     }
 
-    /// Updates the radiance cache from the photograph: all valid pixels of groups that are taken as
-    /// diffuse or textured.
+    /// Updates the radiance cache from the photograph: all valid pixels of groups that are taken to look the same from all
+    /// directions, or nearly so.
     pub(crate) fn look_at_photograph(&mut self) {
         let observation = &self.observation;
         let values = &observation.picture.values;
         let (width, height) = (values.width(), values.height());
         let mut known = Image::new(width, height, vec![false; width * height]);
         for (group, pixels) in observation.pixels_of_group.iter().enumerate() {
-            let material = &self.materials[group];
             let emits = self.problem.groups[group].role == Role::Emitter;
-            if !emits && material.rho_s == Rgb::ZERO {
+            if !emits && hypothesis::is_dull(&self.materials[group]) {
                 pixels.iter().for_each(|&p| known.pixels_mut()[p as usize] = true);
             }
         }
@@ -194,6 +196,31 @@ impl<'a> Guess<'a> {
         let radiance = (0..width * height).map(|pixel| exposure * self.value(pixel)).collect();
         let radiance = RgbImage::new(width, height, radiance);
         self.seen = Some(Arc::new(RadianceCache { radiance, valid: known }));
+    }
+
+    /// `group` as a surface of which nothing but its colour is known: diffuse, or a dull plastic.
+    pub(crate) fn plain(&self, group: usize, rho_d: Rgb) -> Material {
+        let spec = &self.problem.groups[group];
+        let may_have = self.is_coated && spec.allows(Hypothesis::Isotropic);
+        let coat = plastic::dull(self.problem.renderer.model(), &spec.expected.bounds);
+        let coat = coat.filter(|_| may_have);
+        Material { rho_d, ..coat.unwrap_or_else(|| Material::diffuse(rho_d)) }
+    }
+
+    /// The same guess with a coat over what is diffuse, where all surfaces of the scene's format have one.
+    pub(crate) fn coated(mut self) -> Self {
+        self.is_coated = true;
+        for group in self.visible_unknowns() {
+            if self.groups[group].hypothesis == Hypothesis::Diffuse {
+                self.materials[group] = self.plain(group, self.materials[group].rho_d);
+            }
+        }
+        self
+    }
+
+    /// Minus twice the logarithm of the photograph's likelihood, all groups that were verified.
+    pub(crate) fn deviance(&self) -> f64 {
+        self.groups.iter().filter_map(|of_group| Some(of_group.likelihood?.deviance)).sum()
     }
 
     /// Makes the outliers of `group` count again.

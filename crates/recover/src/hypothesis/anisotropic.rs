@@ -163,6 +163,7 @@ mod tests {
             allowance: Allowance { light: error, floor: ModelError { share: 0.003 } },
             least_noise: None,
             expected: Expected::default(),
+            plain: Material::diffuse(Rgb::ZERO),
         };
         let [shown, _] = evidence.light.lobe(truth[0], truth[1], truth[2]);
         let lit = 0.2 * irradiance * FRAC_1_PI;

@@ -79,6 +79,7 @@ pub fn of(material: &Material) -> Hypothesis {
     let diffuse = material.rho_d.max_element() > 0.0;
     match (material.is_delta(), material.is_glossy()) {
         _ if material.texture.is_some() => Hypothesis::Textured,
+        _ if plastic::is_dull(material) => Hypothesis::Diffuse,
         (true, _) if diffuse => Hypothesis::DiffuseSpecular,
         (true, _) if material.rho_s == Rgb::ONE => Hypothesis::Mirror,
         (true, _) => Hypothesis::PartialMirror,
@@ -86,6 +87,11 @@ pub fn of(material: &Material) -> Hypothesis {
         (_, true) => Hypothesis::Anisotropic,
         _ => Hypothesis::Diffuse,
     }
+}
+
+/// Whether `material` looks the same from all directions, or nearly so: a dull plastic reflects a thirtieth by its lobe.
+pub(crate) fn is_dull(material: &Material) -> bool {
+    material.rho_s == Rgb::ZERO || plastic::is_dull(material)
 }
 
 /// How widely a rung with a roughness looks for it.

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f32::consts::FRAC_PI_2;
 use unrender_render::ProbeSettings;
-use unrender_scene::Material;
+use unrender_scene::{Material, Rgb};
 
 /// The search goes on for so many of the most likely candidates: the accepted one and its rival.
 const PROMISING: usize = 2;
@@ -72,7 +72,9 @@ impl Gathering<'_> {
         let pixels = &guess.observation.informative_of_group[self.group];
         let (stage, appearance) = (guess.stage(), guess.appearance());
         let evidence = Evidence::gather(&stage, appearance, self.group, pixels, &budget);
-        let evidence = evidence.expecting(guess.problem.groups[self.group].expected);
+        let evidence = evidence
+            .expecting(guess.problem.groups[self.group].expected)
+            .beside(guess.plain(self.group, Rgb::ZERO));
         (!evidence.is_empty()).then_some(evidence)
     }
 }

@@ -41,7 +41,8 @@ pub(crate) fn look(
     let uniform = uniforms(guess, group);
     let bounds = &guess.problem.groups[group].expected.bounds;
     let (stage, appearance) = (guess.stage(), guess.appearance());
-    let by = Asked { uniform: &uniform, bounds, least };
+    let plain = guess.plain(group, Rgb::ZERO);
+    let by = Asked { uniform: &uniform, bounds, plain, least };
     texture::look(&stage, appearance, (group, pixels), &by, budget)
 }
 

@@ -97,17 +97,20 @@ fn read_noise(members: &Members<'_>) -> Rgb {
     Rgb::new(of_channel(0), of_channel(1), of_channel(2))
 }
 
-/// For each group its shot noise. Far above that of most pixels, only the uncorrelated part is noise.
+/// For each group its shot noise: that of most pixels where it is too small to tell. Far above that, only the uncorrelated
+/// part is noise.
 fn shot_of_groups(members: &Members<'_>) -> Vec<Rgb> {
     let pixels_of_group = members.pixels_of_group;
     let along_rows = |group| members.shot_noise(group, ALONG_ROWS, 1);
-    let shots: Vec<Rgb> = (0..pixels_of_group.len()).map(along_rows).collect();
-    let usual = LIKE_OTHERS * of_most_pixels(&shots, pixels_of_group);
-    let of_group = |(group, shot): (usize, &Rgb)| {
-        if shot.cmple(usual).all() {
-            return *shot;
-        }
-        shot.min(usual.max(members.nugget(group)))
+    let shots: Vec<Option<Rgb>> = (0..pixels_of_group.len()).map(along_rows).collect();
+    let known: Vec<Rgb> = shots.iter().map(|shot| shot.unwrap_or_default()).collect();
+    let usual = of_most_pixels(&known, pixels_of_group);
+    let of_most = Rgb::select(usual.is_finite_mask(), usual, Rgb::ZERO);
+    let most = LIKE_OTHERS * usual;
+    let of_group = |(group, shot): (usize, &Option<Rgb>)| match shot {
+        None => of_most,
+        Some(shot) if shot.cmple(most).all() => *shot,
+        Some(shot) => shot.min(most.max(members.nugget(group))),
     };
     shots.iter().enumerate().map(of_group).collect()
 }
@@ -209,14 +212,11 @@ impl<'a> Members<'a> {
         Some([excess, mean(&value)])
     }
 
-    /// A group's variance beyond quantisation and reading per unit of value, per channel, likewise; zero with too few
-    /// differences.
-    fn shot_noise(&self, group: usize, direction: Direction, steps: usize) -> Rgb {
-        let Some([excess, level]) = self.beyond_quantisation(group, direction, steps) else {
-            return Rgb::ZERO;
-        };
+    /// A group's variance beyond quantisation and reading per unit of value, per channel, likewise.
+    fn shot_noise(&self, group: usize, direction: Direction, steps: usize) -> Option<Rgb> {
+        let [excess, level] = self.beyond_quantisation(group, direction, steps)?;
         let shot = (excess - self.read).max(Rgb::ZERO) / level.max(Rgb::splat(1e-20));
-        Rgb::select(level.cmpgt(Rgb::ZERO), shot, Rgb::ZERO)
+        Some(Rgb::select(level.cmpgt(Rgb::ZERO), shot, Rgb::ZERO))
     }
 
     /// The uncorrelated noise of a group per unit of value: the lesser one of that along rows and along columns, as a
@@ -224,11 +224,12 @@ impl<'a> Members<'a> {
     fn nugget(&self, group: usize) -> Rgb {
         let along = |direction| {
             let at = |steps| self.shot_noise(group, direction, steps);
-            let [near, far] = [at(1), at(2)];
             // Too few differences at the larger distance say nothing.
-            if far == Rgb::ZERO { Rgb::ZERO } else { (2.0 * near - far).min(near).max(Rgb::ZERO) }
+            let [near, far] = [at(1)?, at(2)?];
+            Some((2.0 * near - far).min(near).max(Rgb::ZERO))
         };
-        along(ALONG_ROWS).min(along(ALONG_COLUMNS))
+        let [rows, columns] = [ALONG_ROWS, ALONG_COLUMNS].map(|d| along(d).unwrap_or_default());
+        rows.min(columns)
     }
 }
 
@@ -271,6 +272,18 @@ mod tests {
             // A thousand pixels; the lesser one of two estimates is a sixth too low.
             assert!((found / (size * size) - 1.0).abs() < 0.2, "{size}: {found}");
         }
+    }
+
+    #[test]
+    fn a_group_that_is_too_small_to_tell_has_the_noise_of_the_others() {
+        let value = |x: usize, y: usize| 1.0 + 0.01 * 3f32.sqrt() * scatter(y * SIDE + x);
+        let values = RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb::splat(value(x, y)));
+        let steps = RgbImage::new(SIDE, SIDE, vec![Rgb::ZERO; SIDE * SIDE]);
+        let (small, large) = (0..(SIDE * SIDE) as u32).partition(|p| *p < 20);
+        let shots = PhotographNoise::of((&values, &steps), &[large, small]).shot_of_group;
+        assert_eq!(shots[0], shots[1]);
+        let none = PhotographNoise::of((&values, &steps), &[(0..20).collect()]);
+        assert_eq!(none.shot_of_group, [Rgb::ZERO]);
     }
 
     #[test]

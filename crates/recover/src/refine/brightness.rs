@@ -11,7 +11,7 @@ use crate::expected::ParameterBounds;
 use crate::guess::Guess;
 use crate::hypothesis::Hypothesis;
 use crate::problem::{ExposureRule, Options, RecoverError};
-use unrender_scene::{Material, Rgb};
+use unrender_scene::Rgb;
 
 /// What a factor on the photograph's brightness would explain.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,10 +71,10 @@ pub(crate) fn find(guess: &Guess<'_>, options: &Options, first: &Guess<'_>) -> O
 /// `guess` with each textured group as a diffuse one, as bright as its texture.
 fn uniform<'a>(guess: &Guess<'a>) -> Guess<'a> {
     let mut guess = guess.clone();
-    for (of_group, material) in guess.groups.iter_mut().zip(&mut guess.materials) {
-        if of_group.hypothesis == Hypothesis::Textured {
-            of_group.hypothesis = Hypothesis::Diffuse;
-            *material = Material::diffuse(material.rho_d);
+    for group in 0..guess.groups.len() {
+        if guess.groups[group].hypothesis == Hypothesis::Textured {
+            guess.groups[group].hypothesis = Hypothesis::Diffuse;
+            guess.materials[group] = guess.plain(group, guess.materials[group].rho_d);
         }
     }
     guess

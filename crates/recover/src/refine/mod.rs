@@ -90,7 +90,7 @@ pub(crate) fn refine<'a>(
         return (passes.approach(guess, effort, progress), Termination::Refined);
     }
     for round in 1.. {
-        let solution;
+        let mut solution;
         (guess, solution) = passes.converge(guess, progress);
         if progress.is_cancelled() {
             return (guess, Termination::Interrupted);
@@ -105,7 +105,7 @@ pub(crate) fn refine<'a>(
             // The last unknown group is out of sight, and assumed now.
             break;
         }
-        verdict::record(&mut guess, &solution);
+        verdict::record(&mut guess, &mut solution);
         if !solution.settled {
             return (guess, Termination::RefinementLimit);
         }

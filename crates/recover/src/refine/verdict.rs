@@ -31,6 +31,12 @@ const TIED: f64 = 0.95;
 /// The most lights that are named as tied; they fit on a line. At half a room with three lamps loses one, double was not
 /// tried.
 const TOLD: usize = 4;
+/// The standard deviation of what the lobe of a dull plastic reflects, as a share of even light: 0.02 to 0.055 with
+/// roughnesses from 1 to 0.3. The base is wrong by as much of what it does not reflect. At half or double, the deviations of
+/// such bases are half or twice as large.
+const OPEN_GLOSS: f64 = 0.01;
+/// What is said of one.
+const GLOSS_IS_OPEN: &str = "this photograph shows no gloss of it: its roughness is a guess";
 /// A roughness with a larger relative standard deviation than this is said to be open.
 const ALPHA_OPEN: f64 = 0.5;
 
@@ -86,7 +92,9 @@ fn step_down(
 }
 
 /// Records the standard deviation of each number.
-pub(super) fn record(guess: &mut Guess<'_>, solution: &Solution) {
+pub(super) fn record(guess: &mut Guess<'_>, solution: &mut Solution) {
+    solution.leave_gloss_open(guess);
+    let solution = &*solution;
     let matrix = solution.covariance.row_iter().map(|row| row.iter().copied().collect()).collect();
     let mut covariance = Covariance { of: solution.unknowns.list.clone(), matrix };
     for group in 0..guess.materials.len() {
@@ -111,6 +119,9 @@ pub(super) fn record(guess: &mut Guess<'_>, solution: &Solution) {
                 format!("{why}: from the light that it sends to the others{how}")
             });
         }
+        if has_open_gloss(guess, group) {
+            guess.groups[group].add_note(GLOSS_IS_OPEN.to_owned());
+        }
         if let Some(note) = verdict.likeness(guess) {
             guess.groups[group].add_note(note);
         }
@@ -131,6 +142,11 @@ pub(super) fn record(guess: &mut Guess<'_>, solution: &Solution) {
     let row = |i: &usize| places.iter().map(|j| solution.covariance[(*i, *j)]).collect();
     guess.photometric.covariance = places.iter().map(row).collect();
     guess.covariance = Some(covariance);
+}
+
+/// Whether `group` is a plastic of which the photograph does not tell the roughness.
+fn has_open_gloss(guess: &Guess<'_>, group: usize) -> bool {
+    guess.groups[group].hypothesis == Hypothesis::Diffuse && guess.materials[group].is_glossy()
 }
 
 /// Swaps the names of the two roughnesses of a group.
@@ -156,6 +172,21 @@ fn canonical(guess: &mut Guess<'_>, group: usize) -> bool {
 }
 
 impl Solution {
+    /// Adds what is open of the lobes of dull plastics to the variances of their bases.
+    fn leave_gloss_open(&mut self, guess: &Guess<'_>) {
+        let unknowns = &self.unknowns;
+        let open = |u: &Unknown| {
+            let is_open = u.quantity == Quantity::RhoD && has_open_gloss(guess, u.of);
+            if is_open { OPEN_GLOSS * (1.0 - unknowns.value(guess, u)) } else { 0.0 }
+        };
+        let open: Vec<f64> = unknowns.list.iter().map(open).collect();
+        for (i, j) in (0..open.len()).flat_map(|i| (0..open.len()).map(move |j| (i, j))) {
+            if unknowns.list[i].of == unknowns.list[j].of {
+                self.covariance[(i, j)] += open[i] * open[j];
+            }
+        }
+    }
+
     /// The index of an unknown.
     fn index(&self, quantity: Quantity, of: usize, channel: Option<usize>) -> Option<usize> {
         let wanted = Unknown { quantity, of, channel };
@@ -203,7 +234,8 @@ impl Verdict<'_> {
             Hypothesis::DiffuseSpecular | Hypothesis::Isotropic | Hypothesis::Anisotropic
         );
         if has_lobe && !self.is_told_from_zero(guess, Quantity::RhoS) {
-            let diffuse = Material::diffuse((material.rho_d + material.rho_s).min(Rgb::ONE));
+            let rho_d = (material.rho_d + material.rho_s).min(Rgb::ONE);
+            let diffuse = guess.plain(self.group, rho_d);
             let diffuse = Rung { hypothesis: Hypothesis::Diffuse, material: diffuse };
             if let Some(Rung { hypothesis, material }) = self.as_good(diffuse, guess, options, note)
             {

@@ -35,6 +35,8 @@ pub(crate) struct Asked<'a> {
     pub(crate) uniform: &'a [Material],
     /// The bounds of the group.
     pub(crate) bounds: &'a ParameterBounds,
+    /// The group if nothing but its colour is known, black.
+    pub(crate) plain: Material,
     /// The least contrast.
     pub(crate) least: f64,
 }
@@ -87,7 +89,8 @@ fn judged(
             .collect();
         judge.roughness(&plain, &lobes)
     });
-    let lobe = roughness.flatten().map_or(black, |alpha| plastic::of_alpha(model, alpha));
+    let lobe = roughness.flatten().map(|alpha| plastic::of_alpha(model, alpha));
+    let lobe = lobe.unwrap_or_else(|| by.plain.clone());
     let shown = |uniform: &Material| {
         let lit = lit(uniform);
         [0, 1].map(|half: usize| -> Vec<Rgb> {

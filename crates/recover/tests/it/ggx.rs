@@ -3,13 +3,30 @@
 
 use crate::brushed_room::{BACK, CEILING, FLOOR, LAMP, camera, room, truth};
 use unrender_recover::{
-    Expected, ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem,
+    Effort, Expected, ExposureRule, GroupSpec, Hypothesis, Observation, Options, Picture, Problem,
     Recovery, Renderer, Role, View, recover,
 };
 use unrender_render::{Settings, Tracer};
-use unrender_scene::{BrdfModel, Group, Image, Rgb, RgbImage, Scene};
+use unrender_scene::{BrdfModel, Group, Image, Layering, Material, Rgb, RgbImage, Scene};
 
 const SIDE: usize = 64;
+
+#[test]
+fn surfaces_without_a_coat_get_none_though_the_format_has_one() {
+    let mut scene = room(BrdfModel::Principled(Layering::AlbedoScaled));
+    for group in scene.groups.iter_mut().filter(|group| !group.is_emitter()) {
+        group.material = Material::diffuse(group.material.rho_d);
+    }
+    let options = Options { effort: Effort::Draft, ..Options::default() };
+    let found = recovered_by(&scene, &options);
+    for group in (0..scene.groups.len()).filter(|&g| g != LAMP && g != CEILING) {
+        let (found, truth) = (&found.groups[group], &scene.groups[group].material);
+        assert_eq!(found.hypothesis, Hypothesis::Diffuse, "{}", found.name);
+        assert_eq!(found.material.rho_s, Rgb::ZERO, "{}", found.name);
+        let off = (found.material.rho_d - truth.rho_d).abs().max_element();
+        assert!(off < 0.005, "{}: {off}", found.name);
+    }
+}
 
 fn picture(scene: &Scene) -> RgbImage {
     let settings = Settings { spp: 1024, seed: 7, ..Settings::default() };
@@ -18,7 +35,7 @@ fn picture(scene: &Scene) -> RgbImage {
 }
 
 /// The recovery from a picture of `scene`, its materials unknown.
-fn recovered(scene: &Scene) -> Recovery {
+fn recovered_by(scene: &Scene, options: &Options) -> Recovery {
     let (tracer, camera) = (Tracer::new(scene), camera());
     let view = View::new(&tracer, &camera, (SIDE, SIDE), scene.brdf);
     let picture = Picture {
@@ -46,14 +63,14 @@ fn recovered(scene: &Scene) -> Recovery {
         neighbouring_lights: Vec::new(),
         detail: None,
     };
-    recover(&problem, &Options::default(), &mut ()).unwrap()
+    recover(&problem, options, &mut ()).unwrap()
 }
 
 // Fast: `ladder.rs` finds every rung with the numbers of GGX.
 #[test]
 #[ignore = "slow: all of a recovery with the path tracer"]
 fn a_room_of_ggx_is_recovered() {
-    let found = recovered(&room(BrdfModel::Ggx));
+    let found = recovered_by(&room(BrdfModel::Ggx), &Options::default());
     let truth = truth();
     let hypotheses = [(FLOOR, Hypothesis::Anisotropic), (BACK, Hypothesis::Isotropic)];
     for (group, hypothesis) in hypotheses {
