@@ -44,7 +44,7 @@ impl Noise {
 }
 
 /// A group's noise is not estimated from fewer differences than this: forty give it to a quarter. At half of
-/// it chance rules in small groups, at double more of them count as free of noise.
+/// it chance rules in small groups, at double more of them have the noise of the others.
 const DIFFERENCES_MIN: usize = 40;
 /// Up to this many times the noise of most pixels a group's differences are taken as noise without another
 /// look: the same camera took all groups. At half of it the noise of groups that lie a little above is measured by

@@ -93,7 +93,7 @@ pub(crate) fn gain_of_others(
     Measured { holds: gain > cost, difference: -gain, deviation, price: cost, paths: TOGETHER }
 }
 
-/// A draft's paths, drawn from the materials of `guess`; they end only on what is diffuse in these.
+/// A draft's paths, drawn from the materials of `guess`; they end only on what is dull in these.
 fn paths<'a>(mut guess: Guess<'a>, options: &Options, purpose: Stream) -> KeptPaths<'a> {
     guess.look_at_photograph();
     let effort = Effort::Draft;
