@@ -196,15 +196,12 @@ impl Driver<'_, '_> {
         if coated.materials == present.guess.materials || self.progress.is_cancelled() {
             return Ok(present);
         }
-        let mut fit = |guess: Guess<'a>| {
-            let guess = refine::settle_nuisances(guess, self.options)?;
-            Ok::<_, RecoverError>(self.refine_once(guess, Depth::Rough).0)
-        };
-        let (matt, coated) = (fit(present.guess)?, fit(coated)?);
-        if coated.guess.deviance() >= matt.guess.deviance() {
-            return Ok(matt);
+        let coated = refine::settle_nuisances(coated, self.options)?;
+        let (coated, _) = self.refine_once(coated, Depth::Rough);
+        if coated.guess.deviance() >= present.guess.deviance() {
+            return Ok(present);
         }
-        self.candidates.ask_again(&self.changed(&coated, &matt.score, Level::Choice));
+        self.candidates.ask_again(&self.changed(&coated, &present.score, Level::Choice));
         self.choose(coated, ROUGHLY)
     }
 

@@ -316,3 +316,46 @@ fn pixels_of_both(sets: &[Probes; 2], group: u32) -> Vec<u32> {
     };
     of(&sets[0]).intersection(&of(&sets[1])).copied().collect()
 }
+
+#[cfg(test)]
+impl Evidence {
+    /// A square of `side` pixels, each lit from the same `lights` and seen from its `wo`, in a scene of `model`; it shows
+    /// nothing yet. The light is without noise and may be wrong by a percent.
+    pub(crate) fn square(
+        model: BrdfModel,
+        side: usize,
+        lights: &[unrender_render::Incident],
+        wo: impl Fn(usize) -> glam::Vec3,
+    ) -> Self {
+        let irradiance: Rgb = lights.iter().map(|light| light.irradiance).sum();
+        let probe = |i: usize| Probe {
+            pixel: i as u32,
+            group: 0,
+            throughput: Rgb::ONE,
+            wo: wo(i),
+            point: glam::Vec3::ZERO,
+            emitted: Rgb::ZERO,
+            diffuse: irradiance * std::f32::consts::FRAC_1_PI,
+            mirror: Rgb::ZERO,
+            mirrored: None,
+            first: (i * lights.len()) as u32,
+            count: lights.len() as u32,
+        };
+        let probes = (0..side * side).map(probe).collect();
+        let incident = (0..side * side).flat_map(|_| lights.iter().copied()).collect();
+        let set = Gathered::new(model, Probes { probes, incident });
+        let sample = Sample::square(side, 3, |_| Rgb::ZERO);
+        let allowance = Allowance { light: sample.field.least, floor: ModelError { share: 0.003 } };
+        let light = Light { model, sets: [set.clone(), set] };
+        let plain = Material::diffuse(Rgb::ZERO);
+        let (least_noise, expected) = (None, Expected::default());
+        Self { sample, light, allowance, least_noise, expected, plain }
+    }
+
+    /// The same with these values shown.
+    pub(crate) fn showing(mut self, values: Vec<Rgb>) -> Self {
+        let pixels = self.sample.pixels.iter_mut().zip(values);
+        pixels.for_each(|(pixel, value)| pixel.radiance = value);
+        self
+    }
+}

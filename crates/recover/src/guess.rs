@@ -188,7 +188,7 @@ impl<'a> Guess<'a> {
         let mut known = Image::new(width, height, vec![false; width * height]);
         for (group, pixels) in observation.pixels_of_group.iter().enumerate() {
             let emits = self.problem.groups[group].role == Role::Emitter;
-            if !emits && hypothesis::is_dull(&self.materials[group]) {
+            if !emits && plastic::is_dull(&self.materials[group]) {
                 pixels.iter().for_each(|&p| known.pixels_mut()[p as usize] = true);
             }
         }
@@ -202,9 +202,11 @@ impl<'a> Guess<'a> {
     pub(crate) fn plain(&self, group: usize, rho_d: Rgb) -> Material {
         let spec = &self.problem.groups[group];
         let may_have = self.is_coated && spec.allows(Hypothesis::Isotropic);
-        let coat = plastic::dull(self.problem.renderer.model(), &spec.expected.bounds);
-        let coat = coat.filter(|_| may_have);
-        Material { rho_d, ..coat.unwrap_or_else(|| Material::diffuse(rho_d)) }
+        let coat = || plastic::dull(self.problem.renderer.model(), &spec.expected.bounds);
+        match may_have.then(coat).flatten() {
+            Some(coat) => Material { rho_d, ..coat },
+            None => Material::diffuse(rho_d),
+        }
     }
 
     /// The same guess with a coat over what is diffuse, where all surfaces of the scene's format have one.

@@ -117,14 +117,10 @@ pub fn canonical([x, y, theta]: [f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evidence::{Gathered, Light};
     use crate::expected::{ParameterBounds, StartValues};
-    use crate::observe::model_error::{Allowance, LightError, ModelError};
-    use crate::observe::sample::Sample;
     use glam::Vec3;
     use std::f32::consts::FRAC_1_PI;
     use unrender_render::probe::Incident;
-    use unrender_render::{Probe, Probes};
     use unrender_scene::BrdfModel;
 
     const SIDE: usize = 20;
@@ -138,37 +134,11 @@ mod tests {
         };
         let lights: Vec<Incident> = (0..25).map(light).collect();
         let wo = |i: usize| Vec3::new(0.0, i as f32 / 300.0, 1.0).normalize();
-        let all = 0..SIDE * SIDE;
+        let evidence = Evidence::square(BrdfModel::default(), SIDE, &lights, wo);
         let irradiance: Rgb = lights.iter().map(|light| light.irradiance).sum();
-        let probe = |i: usize| Probe {
-            pixel: i as u32,
-            group: 0,
-            throughput: Rgb::ONE,
-            wo: wo(i),
-            point: Vec3::ZERO,
-            emitted: Rgb::ZERO,
-            diffuse: irradiance * FRAC_1_PI,
-            mirror: Rgb::ZERO,
-            mirrored: None,
-            first: (i * lights.len()) as u32,
-            count: lights.len() as u32,
-        };
-        let probes = all.clone().map(probe).collect();
-        let incident = all.clone().flat_map(|_| lights.iter().copied()).collect();
-        let set = Gathered::new(BrdfModel::default(), Probes { probes, incident });
-        let error = LightError { share: 0.01 };
-        let mut evidence = Evidence {
-            sample: Sample::square(SIDE, 3, |_| Rgb::ZERO),
-            light: Light { model: BrdfModel::default(), sets: [set.clone(), set] },
-            allowance: Allowance { light: error, floor: ModelError { share: 0.003 } },
-            least_noise: None,
-            expected: Expected::default(),
-            plain: Material::diffuse(Rgb::ZERO),
-        };
         let [shown, _] = evidence.light.lobe(truth[0], truth[1], truth[2]);
         let lit = 0.2 * irradiance * FRAC_1_PI;
-        evidence.sample.pixels.iter_mut().zip(shown).for_each(|(p, s)| p.radiance = lit + 0.3 * s);
-        evidence
+        evidence.showing(shown.into_iter().map(|s| lit + 0.3 * s).collect())
     }
 
     fn found(start: StartValues, bounds: ParameterBounds) -> [f32; 3] {

@@ -77,21 +77,15 @@ pub(crate) fn quantities(rung: Hypothesis, material: &Material) -> &'static [Qua
 /// ```
 pub fn of(material: &Material) -> Hypothesis {
     let diffuse = material.rho_d.max_element() > 0.0;
-    match (material.is_delta(), material.is_glossy()) {
+    match material.is_delta() {
         _ if material.texture.is_some() => Hypothesis::Textured,
         _ if plastic::is_dull(material) => Hypothesis::Diffuse,
-        (true, _) if diffuse => Hypothesis::DiffuseSpecular,
-        (true, _) if material.rho_s == Rgb::ONE => Hypothesis::Mirror,
-        (true, _) => Hypothesis::PartialMirror,
-        (_, true) if material.alpha_x == material.alpha_y => Hypothesis::Isotropic,
-        (_, true) => Hypothesis::Anisotropic,
-        _ => Hypothesis::Diffuse,
+        true if diffuse => Hypothesis::DiffuseSpecular,
+        true if material.rho_s == Rgb::ONE => Hypothesis::Mirror,
+        true => Hypothesis::PartialMirror,
+        false if material.alpha_x == material.alpha_y => Hypothesis::Isotropic,
+        false => Hypothesis::Anisotropic,
     }
-}
-
-/// Whether `material` looks the same from all directions, or nearly so: a dull plastic reflects a thirtieth by its lobe.
-pub(crate) fn is_dull(material: &Material) -> bool {
-    material.rho_s == Rgb::ZERO || plastic::is_dull(material)
 }
 
 /// How widely a rung with a roughness looks for it.

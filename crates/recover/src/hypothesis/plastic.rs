@@ -62,9 +62,10 @@ pub(crate) fn dull(model: BrdfModel, bounds: &ParameterBounds) -> Option<Materia
     (is_coated && is_within(bounds)).then(|| of_alpha(model, bounds.nearest_round(DULL)))
 }
 
-/// Whether `material` is a dull plastic.
-pub(super) fn is_dull(material: &Material) -> bool {
-    !material.reflectance.is_free() && material.is_glossy() && material.alpha_x == DULL
+/// Whether `material` looks the same from all directions, or nearly so: it has no lobe, or that of a dull plastic, which
+/// reflects a thirtieth of even light.
+pub(crate) fn is_dull(material: &Material) -> bool {
+    material.rho_s == Rgb::ZERO || (!material.reflectance.is_free() && material.alpha_x == DULL)
 }
 
 /// Whether the user's bounds allow the lobe of a plastic, which reflects 4 % at normal incidence.
@@ -94,13 +95,10 @@ pub(super) fn with_base(hypothesis: Hypothesis, evidence: &Evidence, coat: Mater
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evidence::{Gathered, Light};
     use crate::hypothesis::diffuse;
-    use crate::observe::model_error::{Allowance, LightError, ModelError};
-    use crate::observe::sample::Sample;
     use glam::Vec3;
-    use std::f32::consts::FRAC_1_PI;
-    use unrender_render::{Incident, Probe, Probes};
+    use std::f32::consts::{PI, TAU};
+    use unrender_render::Incident;
 
     const SIDE: usize = 12;
     const GLTF: BrdfModel = BrdfModel::Principled(Layering::AlbedoScaled);
@@ -110,52 +108,20 @@ mod tests {
     fn plastic(alpha: f32, plain: Material) -> Evidence {
         let rings = (0..16).flat_map(|ring| (0..16).map(move |turn| (ring, turn)));
         let even = |(ring, turn): (u32, u32)| {
-            let (z2, turn) =
-                ((ring as f32 + 0.5) / 16.0, (turn as f32) * std::f32::consts::TAU / 16.0);
+            let (z2, turn) = ((ring as f32 + 0.5) / 16.0, turn as f32 * TAU / 16.0);
             let across = (1.0 - z2).sqrt();
             let wi = Vec3::new(across * turn.cos(), across * turn.sin(), z2.sqrt());
-            Incident { wi, irradiance: Rgb::splat(std::f32::consts::PI / 256.0) }
+            Incident { wi, irradiance: Rgb::splat(PI / 256.0) }
         };
         let lights: Vec<Incident> = rings.map(even).collect();
-        let irradiance: Rgb = lights.iter().map(|light| light.irradiance).sum();
-        let probe = |i: usize| {
+        let wo = |i: usize| {
             let angle = (20.0 + 40.0 * (i % SIDE) as f32 / SIDE as f32).to_radians();
-            Probe {
-                pixel: i as u32,
-                group: 0,
-                throughput: Rgb::ONE,
-                wo: Vec3::new(angle.sin(), 0.0, angle.cos()),
-                point: Vec3::ZERO,
-                emitted: Rgb::ZERO,
-                diffuse: irradiance * FRAC_1_PI,
-                mirror: Rgb::ZERO,
-                mirrored: None,
-                first: (i * lights.len()) as u32,
-                count: lights.len() as u32,
-            }
+            Vec3::new(angle.sin(), 0.0, angle.cos())
         };
-        let all = 0..SIDE * SIDE;
-        let probes = all.clone().map(probe).collect();
-        let incident = all.flat_map(|_| lights.iter().copied()).collect();
-        let set = Gathered::new(GLTF, Probes { probes, incident });
-        let light = LightError { share: 0.01 };
-        let mut evidence = Evidence {
-            sample: Sample::square(SIDE, 3, |_| Rgb::ZERO),
-            light: Light { model: GLTF, sets: [set.clone(), set] },
-            allowance: Allowance { light, floor: ModelError { share: 0.003 } },
-            least_noise: None,
-            expected: Default::default(),
-            plain,
-        };
+        let evidence = Evidence::square(GLTF, SIDE, &lights, wo).beside(plain);
         let truth = Material { rho_d: Rgb::splat(0.5), ..of_alpha(GLTF, alpha) };
         let shown = evidence.light.mean_radiance(&truth);
-        evidence
-            .sample
-            .pixels
-            .iter_mut()
-            .zip(shown)
-            .for_each(|(pixel, shown)| pixel.radiance = shown);
-        evidence
+        evidence.showing(shown)
     }
 
     #[test]
