@@ -42,11 +42,15 @@ fn alone(key: &Key, group: &RunGroup, hypothesis: Hypothesis) -> Markup {
 /// The change that the decision number `last` made, and the evidence for it.
 fn won(key: &Key, group: &RunGroup, hypothesis: Hypothesis, last: usize) -> Markup {
     let made = &group.decisions[last];
-    // A lobe may be a plastic's or a metal's.
-    let to = if made.to.of_paper() == hypothesis.of_paper() { hypothesis } else { made.to };
     let key = key.at("decisions").at(last);
     html! {
-        (capital(to)) " instead of " (made.from) ": "
+        // A lobe may be a plastic's or a metal's, and what shows none a plastic without gloss.
+        @match (made.to, hypothesis) {
+            (Hypothesis::Diffuse, Hypothesis::Plastic) => "A plastic without gloss",
+            (to, of) if to.of_paper() == of.of_paper() => (capital(of)),
+            (to, _) => (capital(to)),
+        }
+        " instead of " (made.from) ": "
         @match made.rule.as_str() {
             "light samples" => { "with the light sampled at its pixels, it fits better" (by(&key, made)) }
             "other groups" => { "the groups that it lights fit better" (by(&key, made)) }
