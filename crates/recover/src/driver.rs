@@ -196,6 +196,7 @@ impl Driver<'_, '_> {
         if coated.materials == present.guess.materials || self.progress.is_cancelled() {
             return Ok(present);
         }
+        self.progress.begin(Phase::Coats);
         let coated = refine::settle_nuisances(coated, self.options)?;
         let (coated, _) = self.refine_once(coated, Depth::Rough);
         if coated.guess.deviance() >= present.guess.deviance() {

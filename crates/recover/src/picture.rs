@@ -19,12 +19,18 @@ pub(crate) fn finish(
     guess: Guess<'_>,
     options: &Options,
     termination: Termination,
-    progress: Progress<'_>,
+    mut progress: Progress<'_>,
 ) -> Recovery {
     let halves = render_twice(&guess, options, &progress);
+    progress.begin(Phase::Errors);
     let by_more = (termination != Termination::Interrupted).then_some(options);
-    let error = |group: usize| GroupError::of(&guess, group, &halves, by_more);
-    let errors: Vec<GroupError> = (0..guess.materials.len()).map(error).collect();
+    let count = guess.materials.len();
+    let error = |group: usize| {
+        let what = format!("measuring the error of \"{}\"", guess.problem.groups[group].name);
+        progress.working(&what, group as f64 / count as f64);
+        GroupError::of(&guess, group, &halves, by_more)
+    };
+    let errors: Vec<GroupError> = (0..count).map(error).collect();
     let whole = errors.iter().map(|error| error.squares.square.max(0.0)).sum();
     let groups = errors.iter().enumerate().map(|(group, error)| {
         let decisions = progress.decisions.iter().filter(|(of, _)| *of == group);

@@ -112,7 +112,10 @@ fn paint(insert: &Insert, model: &mut Scene) -> Result<(), String> {
     for (group, paint) in &insert.paint {
         let wanted = |name: &str| group.as_ref().is_none_or(|g| g == name);
         if !model.groups.iter().any(|g| wanted(&g.name)) {
-            let there = crate::stage::some_names(model.groups.iter().map(|g| g.name.as_str()));
+            let there = crate::stage::some_names(
+                group.as_deref().unwrap_or_default(),
+                model.groups.iter().map(|g| g.name.as_str()),
+            );
             return Err(format!(
                 "the model has no material \"{}\"; it has {there}",
                 group.as_deref().unwrap_or_default()

@@ -103,7 +103,7 @@ fn find(name: &str, stage: &Stage<'_>) -> Result<LightRef, String> {
         [index] if index < groups => Ok(LightRef::Area(index)),
         [index] => Ok(LightRef::Punctual(index - groups)),
         [] => {
-            let there = some_names(lights().map(|s| s.name));
+            let there = some_names(name, lights().map(|s| s.name));
             Err(format!(
                 "the scene has no light \"{name}\"; it has {there}; add = \"...\" adds one"
             ))

@@ -44,8 +44,8 @@ pub(crate) fn apply(remove: &Remove, stage: &mut Stage<'_>) -> Result<(), String
         Bearer::Group => of_group(index),
     };
     if !there(&goes) {
-        let groups = some_names(stage.scene.groups.iter().map(|g| g.name.as_str()));
-        let names = some_names(objects.iter().map(|o| o.name.as_str()));
+        let groups = some_names(name, stage.scene.groups.iter().map(|g| g.name.as_str()));
+        let names = some_names(name, objects.iter().map(|o| o.name.as_str()));
         return Err(format!(
             "the scene has no \"{name}\" to remove; its groups: {groups}; its objects: {names}"
         ));

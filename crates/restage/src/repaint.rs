@@ -92,7 +92,7 @@ pub(crate) fn apply(repaint: &Repaint, stage: &mut Stage<'_>) -> Result<(), Stri
     let name = repaint.group.as_str();
     stage.claim("group", name)?;
     let Some(group) = stage.scene.group_index(name) else {
-        let there = some_names(stage.scene.groups.iter().map(|g| g.name.as_str()));
+        let there = some_names(name, stage.scene.groups.iter().map(|g| g.name.as_str()));
         return Err(format!("the scene has no group \"{name}\" to repaint; it has {there}"));
     };
     if !stage.scene.objects.iter().any(|object| object.group == group) {

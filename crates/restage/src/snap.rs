@@ -14,7 +14,7 @@ const LEVEL: f32 = 0.5;
 /// The highest upward-facing point of `group` at two horizontal coordinates.
 pub(crate) fn highest(scene: &Scene, group: &str, at: [f64; 2]) -> Result<Vec3, String> {
     let index = scene.group_index(group).ok_or_else(|| {
-        let there = some_names(scene.groups.iter().map(|g| g.name.as_str()));
+        let there = some_names(group, scene.groups.iter().map(|g| g.name.as_str()));
         format!("the scene has no group \"{group}\" to stand on; it has {there}")
     })?;
     let up = scene.up;

@@ -51,10 +51,18 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Up to a dozen names for a message, each once.
-pub(crate) fn some_names<'a>(names: impl Iterator<Item = &'a str>) -> String {
+/// Up to a dozen names for a message, each once; those that are like the `wanted` one, but for the case of its letters or a
+/// part that one of them lacks, come first.
+pub(crate) fn some_names<'a>(wanted: &str, names: impl Iterator<Item = &'a str>) -> String {
     const SHOWN: usize = 12;
+    let wanted = wanted.trim().to_lowercase();
+    let is_like = |name: &str| {
+        let name = name.to_lowercase();
+        !wanted.is_empty() && (name.contains(&wanted) || wanted.contains(&name))
+    };
     let names: BTreeSet<&str> = names.collect();
+    let mut names: Vec<&str> = names.into_iter().collect();
+    names.sort_by_key(|name| !is_like(name));
     let shown: Vec<&str> = names.iter().take(SHOWN).copied().collect();
     match names.len() {
         0 => "none".to_owned(),

@@ -197,10 +197,10 @@ fn warn_of_findings(
     let mut all: Vec<Finding> = Vec::new();
     for (k, registered) in registered.iter().enumerate() {
         let found = check::before_recovery(&job.alone(k), tracer, registered);
-        for Finding { gravity, sentence } in found {
-            let sentence = format!("{}{sentence}", job.called(k));
+        for found in found {
+            let sentence = format!("{}{}", job.called(k), found.sentence);
             if !job.warnings.0.contains(&sentence) {
-                all.push(Finding { gravity, sentence });
+                all.push(Finding { sentence, ..found });
             }
         }
     }

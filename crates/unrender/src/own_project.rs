@@ -9,9 +9,6 @@ use std::path::{Path, PathBuf};
 use unrender_formats::FileError;
 use unrender_scene::Warnings;
 
-/// Its name.
-const FILE: &str = "project.toml";
-
 /// The project, before it is written.
 pub(crate) struct OwnProject {
     path: PathBuf,
@@ -24,6 +21,9 @@ pub(crate) struct OwnProject {
 pub(crate) struct Written(PathBuf);
 
 impl OwnProject {
+    /// Its name.
+    pub(crate) const FILE: &str = "project.toml";
+
     /// The project of `scene` and `photo` for results in the folder `out`; what was guessed goes to the console.
     ///
     /// # Errors
@@ -34,7 +34,7 @@ impl OwnProject {
         out: &Path,
         global: &Global,
     ) -> Result<Self, Error> {
-        let path = out.join(FILE);
+        let path = out.join(Self::FILE);
         let proposed = proposed::propose(scene, photo, &path, global.limits())?;
         if proposed.checkup.is_none() {
             let why = proposed.guesses.join("; ");

@@ -1,7 +1,7 @@
 //! The project that `unrender init` proposes for a scene and a photograph: what the files say, and guesses, marked as such,
 //! where they do not.
 
-use crate::check::{Checkup, check};
+use crate::check::{Checkup, capitalised, check};
 use crate::job::InMemory;
 use crate::{Error, Job, Project};
 use std::fmt::Write;
@@ -220,6 +220,7 @@ fn text(facts: &Facts<'_>, to: &Path, found: Option<(&Job, &Checkup)>) -> String
             job.scene.brdf
         );
         light_lines(&mut text, facts.scene);
+        remedy_lines(&mut text, checkup);
         group_lines(&mut text, checkup);
     }
     text
@@ -261,6 +262,14 @@ fn light_lines(text: &mut String, scene: &Scene) {
          # unknown = true\n",
         names.join(", ")
     );
+}
+
+/// What looks wrong and can be mended in the project, with the lines to uncomment.
+fn remedy_lines(text: &mut String, checkup: &Checkup) {
+    for (sentence, lines) in &checkup.remedies {
+        let lines = lines.replace('\n', "\n# ");
+        let _ = write!(text, "\n# {}:\n# {lines}\n", capitalised(sentence));
+    }
 }
 
 fn group_lines(text: &mut String, checkup: &Checkup) {

@@ -8,7 +8,7 @@
 
 use crate::fingerprint::fingerprint;
 use crate::result_folder::hash;
-use crate::run::Run;
+use crate::run::{Ended, Run};
 use crate::{Error, Job, output};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -113,6 +113,16 @@ struct Writing {
     closed: bool,
 }
 
+/// Whether the folder of results `folder` holds those of a recovery that was not interrupted, and no journal of a later
+/// one.
+pub(crate) fn has_ended(folder: &Path) -> bool {
+    let ended = || {
+        Run::read(folder)
+            .is_ok_and(|run| run.ended.is_some_and(|ended| ended != Ended::Interrupted))
+    };
+    !folder.join(NAME).exists() && ended()
+}
+
 impl RecoveryJournal {
     /// The journal in the folder of results `folder`. With `resume`, the journal of an interrupted
     /// recovery there is continued; else the first step replaces it.
@@ -138,17 +148,10 @@ impl RecoveryJournal {
                     "the interrupted recovery continues after its {steps} steps"
                 ));
             }
-            (None, true) => {
-                let is_there = folder.join(Run::FILE).is_file();
-                let what =
-                    if is_there { "the recovery in" } else { "no interrupted recovery is in" };
-                let ended =
-                    if is_there { " had ended, and there is nothing to resume" } else { "" };
-                output::tell(&format!(
-                    "{what} {}{ended}: it starts from the beginning",
-                    folder.display()
-                ));
-            }
+            (None, true) => output::tell(&format!(
+                "no interrupted recovery is in {}: it starts from the beginning",
+                folder.display()
+            )),
             (Some(_), false) => output::tell(&format!(
                 "warning: the interrupted recovery in {} is started again; --resume would continue it",
                 folder.display()

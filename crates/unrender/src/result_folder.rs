@@ -11,6 +11,8 @@ mod manifest;
 pub use manifest::check;
 pub(crate) use manifest::{hash, note};
 
+use crate::own_project::OwnProject;
+use crate::project::some_names;
 use crate::{Error, interrupt, output};
 use manifest::{Entry, Manifest};
 use std::collections::BTreeMap;
@@ -98,7 +100,11 @@ impl ResultFolder {
         };
         let replaced: Vec<&String> = at_risk.iter().filter(is_input).copied().collect();
         folder.refuse(&replaced, "which are inputs of this run; name another folder by --out")?;
-        folder.check_foreign(at_risk.into_iter().cloned().collect(), &Manifest::read(path)?)?;
+        let manifest = Manifest::read(path)?;
+        folder.check_foreign(at_risk.into_iter().cloned().collect(), &manifest)?;
+        if manifest.files.is_empty() {
+            folder.check_empty()?;
+        }
         Ok(folder)
     }
 
@@ -218,6 +224,29 @@ impl ResultFolder {
         }
         after.before = None;
         Ok(after.write(&self.path)?)
+    }
+
+    /// An error if there is anything in the folder: results are dozens of files, which nobody wants among others. Hidden
+    /// files, empty ones, as a log that has just been begun, and the project of an interrupted run do not count.
+    fn check_empty(&self) -> Result<(), Error> {
+        let there = fs::read_dir(&self.path).map_err(|error| self.unreadable(&error))?;
+        let is_something = |entry: &fs::DirEntry| {
+            let is_empty = entry.metadata().is_ok_and(|data| data.is_file() && data.len() == 0);
+            let name = entry.file_name();
+            !is_empty && !name.as_encoded_bytes().starts_with(b".") && name != OwnProject::FILE
+        };
+        let others = there.flatten().filter(is_something);
+        let mut others: Vec<_> =
+            others.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+        others.sort();
+        if others.is_empty() {
+            return Ok(());
+        }
+        let problem = format!(
+            "holds other files ({}), and results would mix with them; name a new folder by --out",
+            some_names(others.iter().map(String::as_str))
+        );
+        Err(FileError::new(&self.path, problem).into())
     }
 
     /// An error if one of the files `names` exists and is not ours.

@@ -84,10 +84,15 @@ fn step_down(
         return false;
     }
     guess.materials[group] = guess.problem.groups[group].expected.bounds.nearest(&material);
+    // Under a coat nothing is diffuse alone.
+    let taken = match hypothesis {
+        Hypothesis::Diffuse if guess.is_coated => "left out".to_owned(),
+        other => format!("taken as {other}"),
+    };
     let of_group = &mut guess.groups[group];
     of_group.hypothesis = hypothesis;
     of_group.undecided.clear();
-    of_group.add_note(format!("{note}: taken as {hypothesis}"));
+    of_group.add_note(format!("{note}: {taken}"));
     true
 }
 

@@ -186,6 +186,8 @@ fn paint_takes_the_place_of_a_texture_and_leaves_the_rest() {
 #[test]
 fn what_cannot_be_is_reported() {
     fails(&[remove("sofa")], "no \"sofa\" to remove; its groups: back, floor");
+    // What is like the name comes first.
+    fails(&[remove("Floor")], "no \"Floor\" to remove; its groups: floor, back");
     fails(&[repaint("sofa", Paint::default())], "no group \"sofa\"");
     fails(&[remove("back"), repaint("back", Paint::default())], "no surface left");
     fails(&[repaint("back", Paint::default()), repaint("back", Paint::default())], "edited twice");

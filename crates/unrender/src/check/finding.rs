@@ -20,6 +20,15 @@ pub struct Finding {
     pub gravity: Gravity,
     /// The sentence.
     pub sentence: String,
+    /// The lines of a project that mend it, if they are known.
+    pub lines: Option<String>,
+}
+
+impl Finding {
+    /// One that no line of a project mends.
+    pub(super) fn new(gravity: Gravity, sentence: impl Into<String>) -> Self {
+        Self { gravity, sentence: sentence.into(), lines: None }
+    }
 }
 
 /// What was found.
@@ -29,7 +38,18 @@ pub(super) struct Findings(Vec<Finding>);
 impl Findings {
     /// Adds a finding.
     pub(super) fn push(&mut self, gravity: Gravity, sentence: impl Into<String>) {
-        self.0.push(Finding { gravity, sentence: sentence.into() });
+        self.0.push(Finding::new(gravity, sentence));
+    }
+
+    /// Adds a finding that `lines` of a project mend.
+    pub(super) fn push_with(&mut self, gravity: Gravity, sentence: String, lines: String) {
+        self.0.push(Finding { lines: Some(lines), ..Finding::new(gravity, sentence) });
+    }
+
+    /// The findings that lines of a project mend, with those.
+    pub(super) fn remedies(&self) -> Vec<(String, String)> {
+        let remedy = |found: &Finding| Some((found.sentence.clone(), found.lines.clone()?));
+        self.0.iter().filter_map(remedy).collect()
     }
 
     /// Adds those of `others`.

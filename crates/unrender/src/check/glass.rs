@@ -25,14 +25,14 @@ pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
     let names: Vec<&str> =
         (0..subject.specs.len()).filter(is_clear).map(|g| subject.group_name(g)).collect();
     if let Some(first) = names.first() {
-        findings.push(
-            Gravity::Part,
-            format!(
-                "{} sounds like glass and is opaque in the scene. If it lets light through, leave out its pixels: \
-                 [groups.{first:?}] with ignore = true",
-                some(&names)
-            ),
+        let told = format!(
+            "{} sounds like glass and is opaque in the scene. If it lets light through, leave out its pixels: \
+             [groups.{first:?}] with ignore = true",
+            some(&names)
         );
+        let lines: Vec<String> =
+            names.iter().map(|name| format!("[groups.{name:?}]\nignore = true")).collect();
+        findings.push_with(Gravity::Part, told, lines.join("\n"));
     }
     findings
 }

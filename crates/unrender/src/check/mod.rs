@@ -55,6 +55,8 @@ pub struct Checkup {
     pub warnings: Warnings,
     /// How many of them spoil the result, likely: the first ones.
     pub grave: usize,
+    /// What lines of a project mend: a sentence, and the lines.
+    pub remedies: Vec<(String, String)>,
     /// How many times as bright as the scene in middle grey the photograph is; none if its exposure is unknown.
     pub brightness: Option<f64>,
     /// Pixels are counted as squares with this side, pixels of the photograph.
@@ -77,10 +79,11 @@ pub fn check(job: &Job) -> Checkup {
         let mut findings = findings(subject, &edges);
         // A recovery that moves the camera, or leaves out pixels at edges, says so itself.
         findings.extend(edges::displaced(subject, &edges));
+        let remedies = findings.remedies();
         let (grave, warnings) = (findings.grave(), findings.with(&job.warnings));
         let brightness = photograph::factor(subject, subject.identifiabilities);
         let groups = groups::all(subject);
-        Checkup { groups, edges, warnings, grave, brightness, side: job.side }
+        Checkup { groups, edges, warnings, grave, remedies, brightness, side: job.side }
     })
 }
 
@@ -124,7 +127,7 @@ fn findings(subject: &Subject<'_>, edges: &Edges) -> Findings {
 /// What is seen of shapes that let light through.
 fn clear(job: &Job, (camera, geometry): (&Camera, &GeometryBuffers)) -> Findings {
     let told = clear_shapes::told(job, camera, geometry);
-    told.map(|sentence| Finding { gravity: Gravity::Part, sentence }).into_iter().collect()
+    told.map(|sentence| Finding::new(Gravity::Part, sentence)).into_iter().collect()
 }
 
 /// `look` at the data of `job`, whose model is `registered` with its first photograph.

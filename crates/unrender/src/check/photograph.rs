@@ -46,10 +46,10 @@ const FACTOR: f32 = 10.0;
 pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
     let codes = &subject.job.picture;
     let graded =
-        |gravity: Gravity, told: Option<String>| told.map(|sentence| Finding { gravity, sentence });
+        |gravity: Gravity, told: Option<String>| told.map(|told| Finding::new(gravity, told));
     // Codes of integers explain any slope and brightness.
     if let Some(sentence) = codes_of_integers(codes) {
-        return [Finding { gravity: Gravity::All, sentence }]
+        return [Finding::new(Gravity::All, sentence)]
             .into_iter()
             .chain(clipped(subject))
             .collect();
@@ -195,14 +195,15 @@ fn clipped(subject: &Subject<'_>) -> Option<Finding> {
         off += usize::from(observation.status.pixels()[pixel as usize] == PixelStatus::Clipped);
     }
     let share = off as f32 / all.max(1) as f32;
-    (share > CLIPPED).then(|| Finding {
-        gravity: if share > MANY { Gravity::Part } else { Gravity::Note },
-        sentence: format!(
+    let gravity = if share > MANY { Gravity::Part } else { Gravity::Note };
+    let told = || {
+        format!(
             "{:.0} % of the photo (lamps not counted) are clipped, beside a clipped pixel or in \
              the noise near black, and cannot be used: take a photo of another exposure",
             100.0 * share
-        ),
-    })
+        )
+    };
+    (share > CLIPPED).then(|| Finding::new(gravity, told()))
 }
 
 fn too_dark(subject: &Subject<'_>, codes: &Picture) -> Option<String> {

@@ -58,28 +58,33 @@ const COLOURFUL: f32 = 4.0;
 const EMPTY: f32 = 0.001;
 const BRIGHT: f32 = 0.1;
 
+/// What to do.
+const REMEDY: &str = "If light comes from outside, let the recovery find it: [environment] with unknown = true, or \
+                      panorama = \"FILE\" for a picture of it that you have";
+const LINES: &str = "[environment]\nunknown = true";
+
 /// The finding of a sky that the scene lacks.
 pub(super) fn warnings(subject: &Subject<'_>) -> Findings {
     let mut findings = Findings::default();
     if subject.job.scene.environment.is_some() {
         return findings;
     }
-    let remedy = "If it was taken by daylight, let the recovery find that light: [environment] with unknown = true";
-    if let Some(share) = seen(subject) {
-        let sentence = format!(
-            "{:.1} % of the photo show light where the model has nothing, and the scene has no sky. {remedy}; or model \
+    let told = if let Some(share) = seen(subject) {
+        format!(
+            "{:.1} % of the photo show light where the model has nothing, and the scene has no sky. {REMEDY}; or model \
              what stands there",
             100.0 * share
-        );
-        findings.push(Gravity::All, sentence);
+        )
     } else if let Some(share) = missing(subject) {
-        let sentence = format!(
+        format!(
             "the photo looks as if about {:.0} % of its light came from outside, through openings of the model, and the \
-             scene has no sky. {remedy}",
+             scene has no sky. {REMEDY}",
             100.0 * share
-        );
-        findings.push(Gravity::All, sentence);
-    }
+        )
+    } else {
+        return findings;
+    };
+    findings.push_with(Gravity::All, told, LINES.to_owned());
     findings
 }
 

@@ -16,17 +16,23 @@ pub fn table(checkup: &Checkup, picture: &Path) -> String {
         text.push_str(&format!("pixels are counted in squares of {0} x {0}\n", checkup.side));
     }
     text.push_str(&edges(&checkup.edges, picture));
-    let warnings = &checkup.warnings.0;
-    if warnings.is_empty() {
+    let (grave, notes) = checkup.warnings.0.split_at(checkup.grave);
+    if grave.is_empty() {
         text.push_str("\nnothing looks wrong\n");
-    } else {
-        let things = if warnings.len() == 1 { "thing" } else { "things" };
-        text.push_str(&format!("\n{} {things} to check:\n", warnings.len()));
-        for (number, warning) in warnings.iter().enumerate() {
-            text.push_str(&format!("{}. {warning}\n", number + 1));
-        }
     }
+    text.push_str(&listed("to check", grave));
+    text.push_str(&listed("to know", notes));
     text
+}
+
+/// The `sentences` with their numbers, under a heading; nothing of none.
+fn listed(what_for: &str, sentences: &[String]) -> String {
+    if sentences.is_empty() {
+        return String::new();
+    }
+    let things = if sentences.len() == 1 { "thing" } else { "things" };
+    let lines = (1..).zip(sentences).map(|(number, sentence)| format!("{number}. {sentence}\n"));
+    format!("\n{} {things} {what_for}:\n{}", sentences.len(), lines.collect::<String>())
 }
 
 fn row(group: &GroupCheck) -> [String; 7] {
@@ -85,6 +91,8 @@ struct Json<'a> {
     edges: &'a Edges,
     picture: &'a Path,
     warnings: &'a [String],
+    /// How many of them are grave: the first ones.
+    grave: usize,
     /// As in [`Checkup`]; left out if it is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     side: Option<usize>,
@@ -95,7 +103,14 @@ struct Json<'a> {
 /// # Errors
 /// If a path is not text.
 pub fn json(checkup: &Checkup, picture: &Path) -> Result<String, serde_json::Error> {
-    let Checkup { groups, edges, warnings, side, .. } = checkup;
+    let Checkup { groups, edges, warnings, side, grave, .. } = checkup;
     let side = (*side > 1).then_some(*side);
-    serde_json::to_string_pretty(&Json { groups, edges, picture, warnings: &warnings.0, side })
+    serde_json::to_string_pretty(&Json {
+        groups,
+        edges,
+        picture,
+        warnings: &warnings.0,
+        grave: *grave,
+        side,
+    })
 }

@@ -228,7 +228,10 @@ fn scene(args: &Args, global: &Global, path: &Path) -> Result<(Scene, Warnings),
     if let Some(folder) = folder.filter(|_| !args.to.has_environments()) {
         let panorama = Some(folder.join(run::PANORAMA)).filter(|panorama| panorama.exists());
         warnings.0.extend(panorama.map(|panorama| {
-            format!("the panorama of the recovery's environment is {}", panorama.display())
+            format!(
+                "the recovered environment is {}; this format does not hold it",
+                panorama.display()
+            )
         }));
     }
     Ok((scene, warnings))

@@ -6,7 +6,7 @@ use crate::growing_picture::GrowingPicture;
 use crate::interrupt::{self, Pausable};
 use crate::own_project::{OwnProject, Written};
 use crate::progress::Progress;
-use crate::recovery_journal::{Head, RecoveryJournal};
+use crate::recovery_journal::{self, Head, RecoveryJournal};
 use crate::recovery_progress::RecoveryProgress;
 use crate::result_folder::ResultFolder;
 use crate::{Error, Job, Project, output, results};
@@ -38,7 +38,7 @@ pub struct Args {
     /// Without a project file: the photograph.
     #[arg(long, value_name = "FILE", requires = "scene", conflicts_with = "project")]
     pub photo: Option<PathBuf>,
-    /// The folder for the results; created if it is missing.
+    /// The folder for the results: a new one, or one with earlier results.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Continue the recovery that was interrupted in this folder; the results are, to the bit, those
@@ -164,6 +164,14 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
             "brdf \"{}\", as in the scene; [recover] brdf in the project chooses another",
             job.scene.brdf
         ));
+    }
+    if args.resume && recovery_journal::has_ended(&args.out) {
+        let out = args.out.display();
+        global.console.tell(&format!(
+            "the recovery in {out} has ended: there is nothing to resume, and nothing was done; without --resume it starts \
+             again"
+        ));
+        return Ok(ExitCode::SUCCESS);
     }
     let head = Head::of(&job, args.choices(global.limits()));
     let journal = RecoveryJournal::open(&args.out, head, args.resume)?;

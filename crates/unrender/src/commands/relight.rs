@@ -35,6 +35,9 @@ pub struct Args {
     pub out: PathBuf,
 }
 
+/// What layers call the light from all around.
+const ENVIRONMENT: &str = "environment";
+
 /// A light and the factor on its brightness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightFactor {
@@ -72,6 +75,11 @@ impl FromStr for LightFactor {
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_picture(&args.out)?;
     output::check_inputs(&args.out, [args.layers.as_path()])?;
+    if args.layers.is_dir() {
+        let problem = "is a folder. Render its scene with the light of each lamp first: unrender render --project \
+                       PROJECT.toml --materials FOLDER --layers --out layers.exr";
+        return Err(FileError::new(&args.layers, problem).into());
+    }
     let layers = picture::read_layers(Input::new(&args.layers, global.limits()))?;
     let factors = factors(args, &layers)?;
     let radiances: Vec<RgbImage> = layers.into_iter().map(|layer| layer.radiance).collect();
@@ -86,23 +94,64 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 fn factors(args: &Args, layers: &[LightLayer]) -> Result<Vec<Rgb>, Error> {
     let asked = args.light.iter().map(|light| &light.name).chain(&args.only);
     for name in asked {
-        if !layers.iter().any(|layer| layer.name == *name) {
+        if !layers.iter().any(|layer| is_meant(name, layer)) {
             let there: Vec<String> = layers.iter().map(|l| format!("\"{}\"", l.name)).collect();
             let problem = format!("has no light \"{name}\"; it has {}", there.join(", "));
             return Err(FileError::new(&args.layers, problem).into());
         }
     }
+    let is_on = |layer: &LightLayer| {
+        args.only.is_empty() || args.only.iter().any(|name| is_meant(name, layer))
+    };
+    let in_vain = |light: &&LightFactor| {
+        !layers.iter().any(|layer| is_meant(&light.name, layer) && is_on(layer))
+    };
+    if let Some(light) = args.light.iter().find(in_vain) {
+        let name = &light.name;
+        return Err(Error::Request(format!(
+            "--light {name}=... changes nothing, as --only leaves it off: add --only \"{name}\""
+        )));
+    }
     let factor = |layer: &LightLayer| {
-        let is_on = args.only.is_empty() || args.only.contains(&layer.name);
-        let asked = args.light.iter().rfind(|light| light.name == layer.name);
-        if is_on { asked.map_or(Rgb::ONE, |light| light.factor) } else { Rgb::ZERO }
+        let asked = args.light.iter().rfind(|light| is_meant(&light.name, layer));
+        if is_on(layer) { asked.map_or(Rgb::ONE, |light| light.factor) } else { Rgb::ZERO }
     };
     Ok(layers.iter().map(factor).collect())
+}
+
+/// Whether `name` means the light of `layer`: a recovered environment has several, which have their number behind it.
+fn is_meant(name: &str, layer: &LightLayer) -> bool {
+    let of_environment = |number: &str| {
+        number.strip_prefix(' ').is_some_and(|number| number.parse::<usize>().is_ok())
+    };
+    layer.name == name
+        || name == ENVIRONMENT && layer.name.strip_prefix(name).is_some_and(of_environment)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn all_lights_of_an_environment_are_meant_by_its_name() {
+        let layer = |name: &str| LightLayer {
+            name: name.to_owned(),
+            radiance: RgbImage::new(1, 1, vec![Rgb::ONE]),
+        };
+        let layers = ["lamp", "environment 0", "environment 12", "environments"].map(layer);
+        let asked = |light: &str, only: &[&str]| {
+            let light = vec![LightFactor::from_str(light).unwrap()];
+            let only = only.iter().map(|name| (*name).to_owned()).collect();
+            let [layers_at, out] = ["l.exr", "o.png"].map(PathBuf::from);
+            let args = Args { layers: layers_at, light, only, out };
+            factors(&args, &layers).map(|factors| factors.iter().map(|f| f.x).collect::<Vec<_>>())
+        };
+        assert_eq!(asked("environment=0.5", &[]).unwrap(), [1.0, 0.5, 0.5, 1.0]);
+        assert_eq!(asked("environment=2", &["environment"]).unwrap(), [0.0, 2.0, 2.0, 0.0]);
+        assert_eq!(asked("environment 12=3", &[]).unwrap(), [1.0, 1.0, 3.0, 1.0]);
+        let error = asked("lamp=2", &["environment"]).unwrap_err().to_string();
+        assert!(error.contains("changes nothing, as --only leaves it off"), "{error}");
+    }
 
     #[test]
     fn a_factor_is_one_number_or_three() {

@@ -8,6 +8,7 @@ use unrender_render::{GeometryBuffers, Tracer};
 use unrender_restage::composite::{self, Gain};
 use unrender_restage::pair::Paired;
 use unrender_restage::{grain, touched};
+use unrender_scene::color::luminance;
 use unrender_scene::{Image, Rgb, RgbImage};
 
 /// The photograph with the change in it.
@@ -52,6 +53,18 @@ impl Composite {
         }
         let touched = changes.map(Option::is_some);
         Self { paired, touched, radiance }
+    }
+
+    /// The share of the pixels, 0 to 1, that differ from the `photograph` by more than half of what it shows there.
+    pub fn changed_much(&self, photograph: &Photograph) -> f32 {
+        /// Of what is shown. Half and double of it were not tried.
+        const MUCH: f32 = 0.5;
+        let before = photograph.photo.radiance.pixels();
+        let is_much = |(after, before): &(&Rgb, &Rgb)| {
+            (luminance(**after) - luminance(**before)).abs() > MUCH * luminance(**before)
+        };
+        let count = self.radiance.pixels().iter().zip(before).filter(is_much).count();
+        count as f32 / before.len().max(1) as f32
     }
 
     /// The code values of the photograph's camera; pixels that are not touched keep those of the

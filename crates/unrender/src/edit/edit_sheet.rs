@@ -60,6 +60,18 @@ impl Flag {
         }
     }
 
+    /// An edit of the part or file called `name`, as it may be written; none where nothing follows the name.
+    fn example(self, name: &str) -> Option<String> {
+        let body = match self {
+            Self::Repaint => "rho_d = [0.6, 0.1, 0.1]",
+            Self::Light => "scale = 0.5",
+            Self::Insert => "at = [0, 0, 0]",
+            Self::Environment => "scale = 0.5",
+            _ => return None,
+        };
+        Some(format!("{} '{name}: {body}'", self.forms().0))
+    }
+
     /// Whether more may follow the name after a colon.
     fn has_body(self) -> bool {
         matches!(self, Self::Repaint | Self::Light | Self::Insert | Self::Environment)
@@ -118,7 +130,8 @@ impl EditSheet {
             let (name, body) = splits[0];
             let read_as = body.map(|body| {
                 let name = name.trim();
-                format!(" (taken as \"{name}\", and `{body}` as its edit)")
+                let example = flag.example(name).unwrap_or_default();
+                format!(" (taken as \"{name}\", and `{body}` as its edit; write, for instance, {example})")
             });
             Error::Request(format!("{place}: {}{}", error.message(), read_as.unwrap_or_default()))
         })?;
@@ -251,7 +264,9 @@ mod tests {
         let error = EditSheet::of_flag(Flag::Repaint, "Floor: oak: rho = [1, 1]").unwrap_err();
         let error = error.to_string();
         assert!(
-            error.contains("(taken as \"Floor\", and `oak: rho = [1, 1]` as its edit)"),
+            error.contains(
+                "(taken as \"Floor\", and `oak: rho = [1, 1]` as its edit; write, for instance, --repaint 'Floor: rho_d ="
+            ),
             "{error}"
         );
     }

@@ -17,8 +17,8 @@ pub(super) fn section(source: &RunFolder<'_>) -> Result<Markup, Error> {
     let content = html! {
         table class="groups" role="table" {
             caption { "A number after ± is a standard deviation. The error is the root mean square of photograph minus \
-                re-rendering, relative to the light of the group, without noise. Doubtful: the fit is worse \
-                than noise allows, or two kinds of material fit equally well. Assumed: the photograph does not \
+                re-rendering, relative to the light of the group, without noise. Doubtful: the error is certainly above \
+                3 %, or may be above 15 %, or two kinds of material fit equally well. Assumed: the photograph does not \
                 determine it." }
             thead role="rowgroup" { tr role="row" {
                 @for head in heads { th scope="col" role="columnheader" { (head) } }

@@ -2,10 +2,17 @@
 
 use super::number::percent;
 use super::{Key, RunFolder, parameters, under};
+use crate::project::some_names;
 use crate::run::RunGroup;
 use maud::{Markup, html};
 use unrender_formats::materials::{AlternativeEntry, GroupEntry};
 use unrender_scene::Status;
+
+/// The objects of a group that seem to be of one material each.
+fn parts(group: &RunGroup) -> String {
+    let names = |part: &Vec<String>| some_names(part.iter().map(String::as_str));
+    group.parts.iter().map(names).collect::<Vec<_>>().join("; ")
+}
 
 /// The section.
 pub(super) fn section(source: &RunFolder<'_>) -> Markup {
@@ -37,7 +44,7 @@ pub(super) fn section(source: &RunFolder<'_>) -> Markup {
             @for (name, group) in apart {
                 li { strong { (name) } " seems to have several materials, as one does not explain \
                     all its objects: "
-                    (group.parts.iter().map(|part| part.join(", ")).collect::<Vec<_>>().join("; "))
+                    (parts(group))
                     ". " code { "unrender split" } " splits it." }
             }
             @for (name, group) in alike {

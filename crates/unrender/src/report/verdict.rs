@@ -51,7 +51,7 @@ fn differences(source: &RunFolder<'_>) -> Markup {
     html! {
         @match &all[..] {
             [] => {}
-            [(key, only)] => (difference(key, only)),
+            [(key, only)] => (difference(key, only, source.run.verdict.doubtful > 0)),
             [..] => {
                 "The re-renderings differ from their photographs by "
                 @for (index, (key, of)) in all.iter().enumerate() {
@@ -65,17 +65,20 @@ fn differences(source: &RunFolder<'_>) -> Markup {
 }
 
 /// "The re-rendering differs from the photograph by 0.4 %, beside noise of 1.5 %."
-fn difference(key: &Key, of: &DifferenceEntry) -> Markup {
+/// All pixels together may match where groups are doubtful.
+fn difference(key: &Key, of: &DifferenceEntry, is_doubtful: bool) -> Markup {
+    let subject =
+        if is_doubtful { "Over all pixels, the re-rendering" } else { "The re-rendering" };
     let share = |part: &str, value: f64| {
         html! { span class="whole" { (number(&key.at(part), value, Shown::Share)) " %" } }
     };
     let noise = share("noise", of.noise);
     html! {
         @if of.beyond_noise > 0.0 {
-            "The re-rendering differs from the photograph by "
+            (subject) " differs from the photograph by "
             (share("beyond_noise", of.beyond_noise)) ", beside noise of " (noise) "."
         } @else {
-            "The re-rendering matches the photograph within noise of " (noise) "."
+            (subject) " matches the photograph within noise of " (noise) "."
         }
     }
 }
@@ -95,7 +98,7 @@ fn ended(source: &RunFolder<'_>) -> Markup {
         @match run.ended {
             Some(Ended::Converged) => { "(Converged after " (passes) ", " (seconds) ".)" }
             Some(Ended::Limit) => {
-                "(Stopped at the limit of " (passes) ", " (seconds)
+                "(Stopped after " (passes) ", " (seconds)
                 "; some parameters still moved by more than their standard deviation.)"
             }
             Some(Ended::Failed) => {

@@ -43,15 +43,23 @@ fn alone(key: &Key, group: &RunGroup, hypothesis: Hypothesis) -> Markup {
 fn won(key: &Key, group: &RunGroup, hypothesis: Hypothesis, last: usize) -> Markup {
     let made = &group.decisions[last];
     let key = key.at("decisions").at(last);
+    let [from, to] = [made.from, made.to].map(|kind| word(kind, hypothesis));
     html! {
-        // A lobe may be a plastic's or a metal's, and what shows none a plastic without gloss.
-        @match (made.to, hypothesis) {
-            (Hypothesis::Diffuse, Hypothesis::Plastic) => "A plastic without gloss",
-            (to, of) if to.of_paper() == of.of_paper() => (capital(of)),
-            (to, _) => (capital(to)),
+        // What is diffuse before a lobe is found may be Lambert's.
+        @match made.to {
+            Hypothesis::Diffuse => { (capital(to)) " instead of " (from) ": " }
+            _ => { (capital(own_word(made.to, hypothesis))) " instead of " (made.from) ": " }
         }
-        " instead of " (made.from) ": "
         @match made.rule.as_str() {
+            "light samples" if gain(made) < 0.0 => {
+                "it needs fewer parameters, and fits hardly worse (loss "
+                (number(&key.at("difference"), made.difference.unwrap_or(0.0), Shown::Significant(3)))
+                @if let Some(price) = made.price {
+                    ", price of the parameters that it saves "
+                    (number(&key.at("price"), price, Shown::Gain(2)))
+                }
+                ")."
+            }
             "light samples" => { "with the light sampled at its pixels, it fits better" (by(&key, made)) }
             "other groups" => { "the groups that it lights fit better" (by(&key, made)) }
             "prediction" => { "texels from some of its pixels predict the others better" (by(&key, made)) }
@@ -93,10 +101,10 @@ fn rivals(key: &Key, group: &RunGroup, hypothesis: Hypothesis, start: usize) -> 
     let (rival, texture) = (lost(false), lost(true));
     html! {
         @if start == 0 && rival.is_none() {
-            (capital(hypothesis)) ": no uniform rival came near. "
+            (capital(hypothesis.name())) ": no uniform rival came near. "
         }
         @if let Some((index, of)) = rival {
-            (nearest(&key.at("decisions").at(index), of, (start == 0).then_some(hypothesis)))
+            (nearest(&key.at("decisions").at(index), of, hypothesis, start == 0))
         }
         @if let Some((index, of)) = texture {
             @let key = key.at("decisions").at(index);
@@ -105,12 +113,14 @@ fn rivals(key: &Key, group: &RunGroup, hypothesis: Hypothesis, start: usize) -> 
     }
 }
 
-/// The nearest rival, of the hypothesis that was kept from the start if there is one.
-fn nearest(key: &Key, of: &DecisionEntry, kept: Option<Hypothesis>) -> Markup {
+/// The nearest rival of the `chosen` hypothesis, which was kept from the start or not.
+fn nearest(key: &Key, of: &DecisionEntry, chosen: Hypothesis, is_kept: bool) -> Markup {
+    let rival = word(of.to, chosen);
     html! {
-        @match kept {
-            Some(kept) => { (capital(kept)) ": the nearest rival, " (of.to) ", " }
-            None => { " After that, " (of.to) " " }
+        @if is_kept {
+            (capital(chosen.name())) ": the nearest rival, " (rival) ", "
+        } @else {
+            " After that, " (rival) " "
         }
         (compared(key, of))
     }
@@ -137,8 +147,22 @@ fn compared(key: &Key, of: &DecisionEntry) -> Markup {
     }
 }
 
-fn capital(hypothesis: Hypothesis) -> String {
-    let name = hypothesis.name();
+/// What a kind of material that was compared is called beside the `chosen` one: beside a plastic, what shows no lobe is one
+/// without gloss.
+fn word(kind: Hypothesis, chosen: Hypothesis) -> &'static str {
+    match (kind, chosen) {
+        (Hypothesis::Diffuse, Hypothesis::Plastic) => "plastic without gloss",
+        (Hypothesis::Isotropic, Hypothesis::Plastic) => "plastic with gloss",
+        (kind, chosen) => own_word(kind, chosen),
+    }
+}
+
+/// The same where both are of one rung of the paper's ladder: a lobe is a plastic's or a metal's.
+fn own_word(kind: Hypothesis, chosen: Hypothesis) -> &'static str {
+    if kind.of_paper() == chosen.of_paper() { chosen.name() } else { kind.name() }
+}
+
+fn capital(name: &str) -> String {
     name[..1].to_uppercase() + &name[1..]
 }
 
@@ -170,4 +194,67 @@ fn place([x, y]: [f64; 2]) -> &'static str {
         ["at the left", "in the middle", "at the right"],
         ["at the lower left", "at the bottom", "at the lower right"],
     ][third(y)][third(x)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::number::Key;
+
+    fn decision(from: Hypothesis, to: Hypothesis, [difference, price]: [f64; 2]) -> DecisionEntry {
+        DecisionEntry {
+            iteration: 2,
+            from,
+            to,
+            rule: "light samples".to_owned(),
+            difference: Some(difference),
+            deviation: Some(2.5),
+            price: Some(price),
+            sigmas: Some(-difference / 2.5),
+            paths: 0,
+            accepted: true,
+        }
+    }
+
+    /// The text of a reason, without its markup.
+    fn text(markup: Markup) -> String {
+        let whole = markup.into_string();
+        let parts = whole.split('<').map(|part| part.rsplit('>').next().unwrap_or(""));
+        parts.collect()
+    }
+
+    #[test]
+    fn a_simpler_hypothesis_that_fits_less_well_is_not_said_to_fit_better() {
+        let chosen = Hypothesis::PartialMirror;
+        let made = decision(Hypothesis::DiffuseSpecular, chosen, [11.6, -9.98]);
+        let group = RunGroup { decisions: vec![made], ..RunGroup::default() };
+        let told = text(won(&Key::root(), &group, chosen, 0));
+        assert_eq!(
+            told,
+            "Partial-mirror instead of diffuse-specular: it needs fewer parameters, and fits hardly worse (loss 11.6, \
+             price of the parameters that it saves 10.0)."
+        );
+    }
+
+    #[test]
+    fn a_plastic_is_called_one_with_gloss_and_without() {
+        let chosen = Hypothesis::Plastic;
+        let made = decision(Hypothesis::Diffuse, Hypothesis::Isotropic, [-50.0, 4.0]);
+        let group = RunGroup { decisions: vec![made.clone()], ..RunGroup::default() };
+        let told = text(won(&Key::root(), &group, chosen, 0));
+        assert!(told.starts_with("Plastic instead of diffuse: "), "{told}");
+        assert!(told.contains("fits better by 20 standard deviations"), "{told}");
+        let simpler = decision(Hypothesis::Isotropic, Hypothesis::Diffuse, [2.0, -4.0]);
+        let group = RunGroup { decisions: vec![simpler], ..RunGroup::default() };
+        let told = text(won(&Key::root(), &group, chosen, 0));
+        assert!(
+            told.starts_with("Plastic without gloss instead of plastic with gloss: "),
+            "{told}"
+        );
+        let told = text(nearest(&Key::root(), &made, chosen, true));
+        assert!(
+            told.starts_with("Plastic: the nearest rival, plastic with gloss, gains"),
+            "{told}"
+        );
+    }
 }

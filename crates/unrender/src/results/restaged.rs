@@ -127,10 +127,13 @@ pub(crate) fn write_gallery(
     folder: &Path,
     restaged: &Restaged<'_>,
 ) -> Result<(), Error> {
-    let caption = match restaged.is_denoised {
-        true => "The scene after the edits. Denoised: neighbouring pixels have errors in common.",
-        false => "The scene after the edits.",
-    };
+    let mut caption =
+        if restaged.edits.is_empty() { "The scene." } else { "The scene after the edits." }
+            .to_owned();
+    if restaged.is_denoised {
+        caption.push_str(" Denoised: neighbouring pixels have errors in common.");
+    }
+    let caption = caption.as_str();
     let step = restaged.numbers.len().div_ceil(SHOWN_MAX).max(1);
     let shown = restaged.numbers.iter().step_by(step).map(|number| {
         let title = number.map_or("Picture".to_owned(), |n| format!("Picture {n}"));
@@ -149,13 +152,22 @@ pub(crate) fn write_gallery(
         None if restaged.photograph.is_some() => exhibits.insert(0, photograph),
         None => {}
     }
-    let gallery =
-        Gallery { edits: restaged.edits, pair: pair.as_ref(), exhibits: &exhibits, ..titled() };
+    let lead = match restaged.edits {
+        [] => "The scene as it is, without edits.",
+        _ => "The scene after these edits:",
+    };
+    let gallery = Gallery {
+        lead,
+        edits: restaged.edits,
+        pair: pair.as_ref(),
+        exhibits: &exhibits,
+        ..titled()
+    };
     write_page(pictures, folder, &gallery)
 }
 
 fn titled<'a>() -> Gallery<'a> {
-    Gallery { title: "Restaged", lead: "The pictures of unrender restage.", ..Gallery::default() }
+    Gallery { title: "Restaged", lead: "The photograph after these edits:", ..Gallery::default() }
 }
 
 fn write_page(pictures: &Path, folder: &Path, gallery: &Gallery<'_>) -> Result<(), Error> {
@@ -166,6 +178,11 @@ fn write_page(pictures: &Path, folder: &Path, gallery: &Gallery<'_>) -> Result<(
 fn exhibit(file: &str, title: &str, caption: &str) -> Exhibit {
     let [file, title, caption] = [file, title, caption].map(str::to_owned);
     Exhibit { file, title, caption }
+}
+
+/// Whether the picture `number` of a sequence is in the folder `pictures`.
+pub(crate) fn is_written(pictures: &Path, number: u32) -> bool {
+    pictures.join(format!("{}.png", name_of(Some(number as usize)))).is_file()
 }
 
 /// The name of a synthetic picture, without its extension.

@@ -19,8 +19,8 @@ const GLYPHS: [(char, [u8; 5]); 15] = [
     ('-', [0, 0, 7, 0, 0]),
     ('+', [0, 2, 7, 2, 0]),
     ('%', [5, 1, 2, 4, 5]),
-    ('≤', [1, 2, 1, 0, 7]),
-    ('≥', [4, 2, 4, 0, 7]),
+    ('<', [1, 2, 4, 2, 1]),
+    ('>', [4, 2, 1, 2, 4]),
 ];
 
 /// Marks on the scale, as shares of its half.
@@ -60,8 +60,8 @@ pub(super) fn pixel(x: usize, y: usize, width: usize, full: f32, color: fn(f32) 
 fn label(mark: f32, percent: f32) -> String {
     match mark {
         0.0 => "0".to_owned(),
-        -1.0 => format!("≤{percent:+.0}%"),
-        1.0 => format!("≥{percent:+.0}%"),
+        -1.0 => format!("<{percent:+.0}%"),
+        1.0 => format!(">{percent:+.0}%"),
         _ => format!("{percent:+.0}%"),
     }
 }

@@ -46,9 +46,8 @@ pub(crate) fn summary(job: &Job, recovered: &Recovered) -> String {
     }
     let labels = labels::labels(&job.scene);
     for (group, parts) in recovered.parts(job) {
-        let named = |part: &Vec<usize>| {
-            part.iter().map(|object| labels[*object].as_str()).collect::<Vec<_>>().join(", ")
-        };
+        let named =
+            |part: &Vec<usize>| some_names(part.iter().map(|object| labels[*object].as_str()));
         text.push_str(&format!(
             "{}: one material does not explain all its objects: {}; unrender split splits it\n",
             recovery.groups[group].name,
@@ -84,6 +83,9 @@ fn outcome(job: &Job, recovered: &Recovered) -> String {
     let (done, doubtful) = (of(Status::Recovered).len(), of(Status::Doubtful));
     let groups = if done == 1 { "group" } else { "groups" };
     let mut text = format!("{done} {groups} recovered, ");
+    // The whole picture may match where groups do not.
+    let subject =
+        if doubtful.is_empty() { "The re-rendering" } else { "Over all pixels, the re-rendering" };
     match doubtful.len() {
         0 => text.push_str("none doubtful"),
         count => text.push_str(&format!("{count} doubtful ({})", some_names(doubtful.into_iter()))),
@@ -97,13 +99,11 @@ fn outcome(job: &Job, recovered: &Recovered) -> String {
         let [beyond, noise, _] = Difference::of(job, recovery).means();
         text.push_str(&match beyond > 0.0 {
             true => format!(
-                "The re-rendering differs from the photo by {}, beside noise of {}. ",
+                "{subject} differs from the photo by {}, beside noise of {}. ",
                 share(beyond),
                 share(noise)
             ),
-            false => {
-                format!("The re-rendering matches the photo within noise of {}. ", share(noise))
-            }
+            false => format!("{subject} matches the photo within noise of {}. ", share(noise)),
         });
     }
     let passes = match recovery.iterations.len() {
@@ -116,8 +116,8 @@ fn outcome(job: &Job, recovered: &Recovered) -> String {
             format!("(Converged after {passes}, {seconds}.)\n")
         }
         Termination::IterationLimit | Termination::RefinementLimit => format!(
-            "(Stopped at the limit of {passes}, {seconds}; some parameters still moved by more than their standard \
-             deviation.)\n"
+            "(Stopped after {passes}, {seconds}, before all parameters had settled: some still moved by more than their \
+             standard deviation.)\n"
         ),
         Termination::Interrupted => format!(
             "(Interrupted after {passes}, {seconds}: the results are as far as it had come.)\n"

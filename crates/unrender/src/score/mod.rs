@@ -82,7 +82,8 @@ pub struct Limits {
     pub degrees: Option<f64>,
 }
 
-/// Compares `results` with `truth`; textures are relative to the folders.
+/// Compares `results` with `truth`; textures are relative to the folders. The groups come in the order of the results, then
+/// those that these leave out.
 ///
 /// ```
 /// use std::path::Path;
@@ -109,7 +110,9 @@ pub fn score(
     truth: &MaterialsFile,
     truth_folder: &Path,
 ) -> Result<Vec<GroupScore>, FileError> {
-    let pairs = truth.groups.iter().map(|(name, wanted)| {
+    let left_out = truth.groups.keys().filter(|name| !results.groups.contains_key(*name));
+    let names = results.groups.keys().chain(left_out);
+    let pairs = names.filter_map(|name| truth.groups.get_key_value(name)).map(|(name, wanted)| {
         let counted = compare::counts(truth, wanted);
         let score = match results.groups.get(name) {
             Some(found) => GroupScore {

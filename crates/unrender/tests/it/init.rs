@@ -2,9 +2,11 @@
 
 use crate::kit::floor_and_lamp;
 use crate::kit::folder::{Folder, fails, is_refused, stderr, succeeds};
+use glam::Vec3;
 use std::time::{Duration, Instant};
 use unrender::Project;
 use unrender::formats::{gltf, picture};
+use unrender::lighting::EnvironmentChoice;
 use unrender::render::{Settings, Tracer};
 use unrender::scene::{Camera, Environment, RgbImage, Scene};
 
@@ -94,6 +96,28 @@ fn what_the_files_do_not_say_is_a_guess_that_is_told() {
     lit.environment = Some(Environment::new(sky, 0.0).unwrap());
     let (read, text) = says(&files(&dark, &lit, 1.0), "photo.exr", &["the scene has no light"]);
     assert!(read.is_ok() && text.contains("[environment]\nunknown = true"), "{text}");
+}
+
+#[test]
+fn lines_that_mend_what_looks_wrong_are_offered() {
+    // An open floor under a sky that the scene does not have, seen past its edge.
+    let mut lit = room();
+    lit.cameras[0] =
+        Camera::look_at("camera", Vec3::new(0.0, 0.6, 2.0), 0.6 * Vec3::Y, Vec3::Y, 0.8);
+    let mut scene = lit.clone();
+    let sky = RgbImage::new(1, 1, vec![unrender::scene::Rgb::ONE]);
+    lit.environment = Some(Environment::new(sky, 0.0).unwrap());
+    scene.environment = None;
+    let folder = files(&scene, &lit, 1.0);
+    let said = succeeds(&folder.run(&["init", "room.glb", "photo.exr"]));
+    assert!(said.contains("Looks wrong:\n") && said.contains("the scene has no sky"), "{said}");
+    let text = folder.text("project.toml");
+    let offered = "\n# [environment]\n# unknown = true\n";
+    assert!(text.contains(offered), "{text}");
+    // Uncommented, it is a project.
+    folder.write("sky.toml", &text.replace(offered, &offered.replace("# ", "")));
+    let (project, _) = Project::read(&folder.path("sky.toml")).unwrap();
+    assert!(matches!(project.environment, Some(EnvironmentChoice::Unknown { .. })), "{text}");
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! A photograph of more than a megapixel is reduced to squares of its pixels; its textures are made from the pixels
 //! themselves.
 
-use crate::kit::example::{beside_crates, shrunk};
+use crate::kit::example::shrunk;
+use crate::kit::floor_and_lamp;
 use crate::kit::folder::{Folder, succeeds};
 use crate::kit::meshes::{add, quad, square};
 use glam::{Vec2, Vec3};
 use serde_json::Value;
-use std::process::Command;
 use std::sync::Arc;
 use unrender::formats::picture::{self, Depth};
 use unrender::formats::{Input, Limits, gltf};
@@ -17,7 +17,7 @@ use unrender::scene::{Camera, Lens, Material, Mesh, Rgb, RgbImage, Scene, Textur
 const SIZE: (usize, usize) = (1251, 903);
 const WALL: Rgb = Rgb::new(0.3, 0.4, 0.5);
 /// Texels along a side of the floor: about a pixel and a half each.
-const TEXELS: usize = 512;
+const TEXELS: usize = 256;
 
 /// The pattern of the floor: light and dark texels at random.
 fn pattern() -> RgbImage {
@@ -31,7 +31,7 @@ fn pattern() -> RgbImage {
 /// A floor with that pattern, a wall and a lamp, and a camera whose axis is not in the middle of its picture.
 fn scene() -> Scene {
     let mut scene = Scene::default();
-    let floor = quad(Vec3::new(-1.0, 0.0, 1.0), 2.0 * Vec3::X, -2.0 * Vec3::Z);
+    let floor = quad(Vec3::new(-0.5, 0.0, 0.5), Vec3::X, -Vec3::Z);
     let uvs = vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::ZERO, Vec2::ONE, Vec2::Y];
     add(&mut scene, "floor", Rgb::splat(0.5), Mesh { uvs, ..floor });
     add(&mut scene, "wall", WALL, quad(Vec3::new(-1.0, 0.0, -1.0), 2.0 * Vec3::X, 1.5 * Vec3::Y));
@@ -90,7 +90,16 @@ fn read(folder: &Folder, name: &str) -> RgbImage {
 #[test]
 fn it_is_worked_on_in_squares_and_its_textures_keep_its_pixels() {
     let folder = project();
-    let recover = ["recover", "project.toml", "--effort", "draft", "--keep-camera", "--spp", "4"];
+    let recover = [
+        "recover",
+        "project.toml",
+        "--effort",
+        "draft",
+        "--keep-camera",
+        "--no-refine",
+        "--spp",
+        "1",
+    ];
     let with = |more: &[&str]| succeeds(&folder.run(&[&recover[..], more].concat()));
     with(&["--out", "out", "--picture", "full"]);
     let run: Value = serde_json::from_str(&folder.text("out/run.json")).unwrap();
@@ -123,15 +132,10 @@ fn the_memory_of_whoever_starts_a_recovery_is_not_counted_as_its_own() {
     const HELD: usize = 400 << 20;
     // It is written to, so that its memory is really allocated.
     let held = vec![1u8; HELD];
-    let out = Folder::new();
-    let project = beside_crates("examples/corpus/isotropic/project.toml");
-    let mut recover = Command::new(env!("CARGO_BIN_EXE_unrender"));
-    recover.arg("recover").arg(project).arg("--out").arg(out.path("out"));
-    recover.args(["--effort", "draft", "--no-refine", "--spp", "1"]);
-    succeeds(&recover.output().unwrap());
+    let folder = floor_and_lamp::project();
+    succeeds(&folder.run(&["recover", "p.toml", "--no-refine", "--spp", "1", "--out", "out"]));
     assert!(held.iter().all(|byte| *byte == 1));
-    let run: Value =
-        serde_json::from_slice(&std::fs::read(out.path("out").join("run.json")).unwrap()).unwrap();
+    let run: Value = serde_json::from_str(&folder.text("out/run.json")).unwrap();
     let peak = run["peak_memory_bytes"].as_u64();
     // A recovery needs some tens of megabytes; some systems do not report it.
     assert!(peak.is_none_or(|peak| peak < HELD as u64 / 2), "{peak:?}");

@@ -209,6 +209,26 @@ fn a_sequence_is_numbered_and_goes_through_its_keys() {
     assert_eq!(last, folder.bytes("one/synthetic_0003.exr"));
     assert_eq!(last, folder.bytes("last/synthetic.exr"));
     assert!(!folder.path("one/synthetic_0001.exr").exists());
+    // The gallery shows the pictures of all processes that wrote there.
+    folder.succeeds(&[&["e.toml", "--frames", "1..2", "--out", "one"], &size[..]].concat());
+    let gallery = folder.text("one/gallery.html");
+    for (picture, is_there) in [("Picture 1", true), ("Picture 2", false), ("Picture 3", true)] {
+        assert_eq!(gallery.contains(picture), is_there, "{picture}");
+    }
+}
+
+#[test]
+fn a_composite_that_changes_most_of_the_photograph_says_so() {
+    let folder = Stage::new();
+    let told = |name: &str, edit: &str| {
+        folder.write(&format!("{name}.toml"), &format!("project = \"8.toml\"\n{edit}"));
+        let edits = format!("{name}.toml");
+        folder.succeeds(&[&edits, "--composite", "--spp", "4", "--out", name]);
+        folder.text(&format!("{name}/gallery.html"))
+    };
+    let lamp = "[[lights]]\nname = \"lamp\"\nscale = 0.05\n";
+    assert!(told("dark", lamp).contains("of the photo by more than half of its light"));
+    assert!(!told("same", "").contains("of the photo by more than half of its light"));
 }
 
 #[test]

@@ -90,26 +90,47 @@ fn results_do_not_replace_inputs() {
 fn results_replace_only_results() {
     let room = Room::new();
     fs::create_dir(room.path("out")).unwrap();
-    fs::write(room.path("out/notes.txt"), "mine").unwrap();
     fs::write(room.path("out/photo.png"), "mine").unwrap();
     assert_refused(&room.recover("out"), &["photo.png", "move them away"]);
     fs::remove_file(room.path("out/photo.png")).unwrap();
+    // A log that the shell has made, and what is hidden, are nobody's.
+    fs::write(room.path("out/log.txt"), "").unwrap();
+    fs::write(room.path("out/.DS_Store"), "x").unwrap();
     succeeds(&room.recover("out"));
+    fs::write(room.path("out/notes.txt"), "mine").unwrap();
     succeeds(&room.recover("out"));
     assert_eq!(fs::read(room.path("out/notes.txt")).unwrap(), b"mine");
     // Each result is protected if it belongs to somebody else.
+    let others = ["notes.txt", "log.txt", ".DS_Store"];
     for (path, _) in room.files("out") {
         let name = path.strip_prefix(room.path("out")).unwrap().to_owned();
-        let (fresh, is_ours) = (room.path("fresh"), !name.ends_with("notes.txt"));
+        if others.iter().any(|other| name.ends_with(other)) {
+            continue;
+        }
+        let fresh = room.path("fresh");
         fs::create_dir_all(fresh.join(&name).parent().unwrap()).unwrap();
         fs::write(fresh.join(&name), "mine").unwrap();
-        let refused = !room.recover("fresh").status.success();
-        assert_eq!(refused, is_ours, "{}", name.display());
+        assert_refused(&room.recover("fresh"), &[name.to_str().unwrap()]);
         fs::remove_dir_all(fresh).unwrap();
     }
     // A file that was changed by hand is no longer a result.
     fs::write(room.path("out/materials.json"), "{\"groups\": {}}").unwrap();
     assert_refused(&room.recover("out"), &["materials.json"]);
+}
+
+#[test]
+fn results_do_not_mix_with_the_files_of_others() {
+    let room = Room::new();
+    for (file, text) in [("mixed/notes.txt", "mine"), ("with/folder/inside.txt", "mine")] {
+        let folder = file.split('/').next().unwrap();
+        fs::create_dir_all(room.path(file).parent().unwrap()).unwrap();
+        fs::write(room.path(file), text).unwrap();
+        let before = room.files(".");
+        assert_refused(&room.recover(folder), &[folder, "holds other files", "--out"]);
+        let restage = ["restage", "--scene", "scene.glb", "--height", "8", "--spp", "1", "--out"];
+        assert_refused(&room.run(&[&restage[..], &[folder]].concat()), &["holds other files"]);
+        assert!(room.files(".") == before, "something was changed or left behind");
+    }
 }
 
 #[test]

@@ -142,7 +142,10 @@ fn scene(tag: &str, kind: &str, name: Option<&str>) -> String {
     let is_whole = name == Some("value") && kind.ends_with("regular");
     let others = needed(kind).iter().filter(|other| Some(**other) != name && !is_whole);
     let others = others.map(|other| property(kind, other));
-    let inside: String = others.chain(name.map(|name| property(kind, name))).collect();
+    // A wide sun needs a quarter of the panorama's pixels.
+    let is_narrow = kind == "sunsky" && name != Some("sun_aperture");
+    let wide = is_narrow.then(|| "<float name=\"sun_aperture\" value=\"10\"/>".to_owned());
+    let inside: String = others.chain(name.map(|name| property(kind, name))).chain(wide).collect();
     let plugin = |tag: &str, more: &str| {
         let kind = if kind == "others" { "curvy" } else { kind };
         format!("<{tag} type=\"{kind}\"{more}>{inside}</{tag}>")
