@@ -67,7 +67,7 @@ fn picture(
         (bar(key, error))
         figcaption {
             "Re-rendering minus photograph in luminance, " (unit(error.unit)) ", averaged over about "
-            (count(&key.at("reach"), error.reach)) " pixels. "
+            (count(&key.at("reach"), error.reach)) @if error.reach == 1 { " pixel. " } @else { " pixels. " }
             @if error.unit != Unit::Radiance {
                 "Blank: within two standard deviations of the noise; colours fade in up to four. Hatched: not \
                  compared (beside an edge, clipped, or left out)."

@@ -99,7 +99,8 @@ fn ended(source: &RunFolder<'_>) -> Markup {
             Some(Ended::Converged) => { "(Converged after " (passes) ", " (seconds) ".)" }
             Some(Ended::Limit) => {
                 "(Stopped after " (passes) ", " (seconds)
-                "; some parameters still moved by more than their standard deviation.)"
+                ", before all parameters had settled: some still moved by more than their standard \
+                deviation.)"
             }
             Some(Ended::Failed) => {
                 "(Stopped after " (passes) ", " (seconds) ": a step could not be solved. The results are those before it.)"
