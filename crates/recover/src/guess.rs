@@ -220,11 +220,6 @@ impl<'a> Guess<'a> {
         self
     }
 
-    /// Minus twice the logarithm of the photograph's likelihood, all groups that were verified.
-    pub(crate) fn deviance(&self) -> f64 {
-        self.groups.iter().filter_map(|of_group| Some(of_group.likelihood?.deviance)).sum()
-    }
-
     /// Makes the outliers of `group` count again.
     pub(crate) fn forget_outliers(&mut self, group: usize) {
         if self.observation.outlier_share(group) > 0.0 {

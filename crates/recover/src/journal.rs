@@ -8,7 +8,7 @@
 //! depend on, is computed again.
 //!
 //! The steps are: an iteration of the paper's method, the exposure by the anchor, the candidates of one group, a
-//! verification, a score test, a pass of the joint refinement, and each of the last tasks after it. Numbers are kept as
+//! verification, a pass of the joint refinement, and each of the last tasks after it. Numbers are kept as
 //! their bits.
 //!
 //! To add a step: wrap it into `Steps::value`. A step that is not wrapped is done again, which costs only time.

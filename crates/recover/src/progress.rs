@@ -147,10 +147,10 @@ impl<'o> Progress<'o> {
         measured: Measured,
         rule: Rule,
     ) {
-        let Measured { holds: accepted, difference, deviation, price, paths } = measured;
+        let Measured { holds: accepted, difference, deviation, price } = measured;
         let iteration = self.iterations.len();
         let decision =
-            Decision { iteration, from, to, difference, deviation, price, paths, accepted, rule };
+            Decision { iteration, from, to, difference, deviation, price, accepted, rule };
         self.decisions.push((group, decision));
     }
 

@@ -164,8 +164,6 @@ pub struct Decision {
     pub deviation: f64,
     /// By how much the difference has to be below zero for the additional numbers of `to`.
     pub price: f64,
-    /// Paths a pixel, in each of two renderings, that this rests on; zero where pixels have different numbers of them.
-    pub paths: u32,
     /// Whether the change was made.
     pub accepted: bool,
     /// By which rule.
@@ -181,10 +179,7 @@ pub enum Rule {
     LightSamples,
     /// Texels from some of the group's pixels have to predict the others better than a uniform reflectance does.
     Prediction,
-    /// The other groups' pixels have to gain the price and two standard deviations: a specular part of this group lights
-    /// them.
-    OtherGroups,
-    /// Where its numbers are not significant: the simpler hypothesis has to explain the group as well.
+    /// The standard deviations of its additional numbers say that these are not significant, or certainly negligible.
     Simpler,
     /// The project allows no other.
     Project,
@@ -200,7 +195,6 @@ impl Rule {
         match self {
             Self::LightSamples => "light samples",
             Self::Prediction => "prediction",
-            Self::OtherGroups => "other groups",
             Self::Simpler => "simpler",
             Self::Project => "project",
             Self::Method => "method",

@@ -47,12 +47,6 @@ pub fn allowance(level: Level, options: &Options) -> Allowance {
     }
 }
 
-/// Whether fewer light samples than usual may confirm a group's hypothesis: once the light is refined. A draft has few
-/// anyway, and with unknown lights they say little.
-pub(crate) fn is_light_to_spare(level: Level, options: &Options, unknown_lights: &[usize]) -> bool {
-    level == Level::Refined && options.effort != Effort::Draft && unknown_lights.is_empty()
-}
-
 /// So many paths of a pixel are stratified among themselves, and beyond that those of a block: passes are short, and what
 /// counts are means over blocks. At four times as many drafts of three rooms are twice as far off in rho_d; with half as
 /// many a highlight's roughness is noisier by about an eighth.

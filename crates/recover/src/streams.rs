@@ -18,10 +18,6 @@ pub(crate) enum Stream {
     Nuisances = 0x11687,
     /// The joint fits and the refinement: pixels and paths.
     Refinement = 0x4EF1_4E00,
-    /// Hypotheses side by side on stored paths.
-    SideBySide = 0xBE51DE,
-    /// The test of specular parts on the whole picture.
-    ScoreTest = 0x5C02_E7E5,
     /// The pixels of the verification ...
     VerifiedPixels = 0x7E57,
     /// ... and its paths.

@@ -154,6 +154,14 @@ impl Verifier {
         let worse = both.filter(|(of, (mine, other))| is_worse(&of.contrast(mine, other)));
         worse.map(|(of, _)| of.group).collect()
     }
+
+    /// By how much more the guess of the score `mine` leaves of the whole photograph than the `other`, in units of the
+    /// covariance, and the variance of that by the renderings' noise.
+    pub(crate) fn difference(&self, mine: &Score, other: &Score) -> [f64; 2] {
+        let both = self.groups.iter().zip(mine.groups.iter().zip(&other.groups));
+        let contrasts = both.map(|(of, (mine, other))| of.contrast(mine, other));
+        contrasts.fold([0.0; 2], |sum, of| [sum[0] + of.difference, sum[1] + of.noise])
+    }
 }
 
 /// `pixels` under `guess`, twice.
@@ -162,6 +170,13 @@ fn render(guess: &Guess<'_>, pixels: &[u32], settings: &Settings) -> [Vec<Rgb>; 
         let settings = Settings { seed: mix(settings.seed).wrapping_add(half), ..*settings };
         guess.problem.renderer.rerender(guess.appearance(), pixels, &settings)
     })
+}
+
+impl GroupScore {
+    /// It as one side of a comparison, where the light may be wrong by the `field`.
+    fn side<'a>(&'a self, field: &'a LightField) -> Side<'a> {
+        Side { residuals: &self.residuals, field, floor: self.least.floor }
+    }
 }
 
 impl GroupSample {
@@ -190,16 +205,9 @@ impl GroupSample {
 
     /// Compares two guesses.
     fn contrast(&self, mine: &GroupScore, other: &GroupScore) -> Contrast {
-        let field = |score: &GroupScore| LightField {
-            least: score.least.light,
-            ..self.sample.field.clone()
-        };
-        let fields = [field(mine), field(other)];
-        let sides = [(mine, &fields[0]), (other, &fields[1])].map(|(score, field)| Side {
-            residuals: &score.residuals,
-            field,
-            floor: score.least.floor,
-        });
+        let fields = [mine, other]
+            .map(|of| LightField { least: of.least.light, ..self.sample.field.clone() });
+        let sides = [mine.side(&fields[0]), other.side(&fields[1])];
         Contrast::of(&self.sample.blocks, sides.each_ref())
     }
 }

@@ -232,14 +232,6 @@ fn a_recovery_goes_on_to_the_same_bits() {
 }
 
 #[test]
-fn so_does_one_of_the_usual_effort_in_which_the_wall_stays_unexplained() {
-    let options = Options { effort: Effort::Normal, spp: 4, ..Options::default() };
-    let rungs = [Hypothesis::Diffuse, Hypothesis::Isotropic];
-    let kinds = goes_on(Role::Unknown, &rungs, by(&options));
-    assert!(kinds.contains("score test"), "{kinds:?}");
-}
-
-#[test]
 fn so_do_one_by_an_anchor_and_the_papers_ladder() {
     let effort = Effort::Draft;
     let options = Options { effort, spp: 2, refine: false, ..Options::default() };

@@ -36,6 +36,7 @@ pub mod bsdf;
 pub mod camera_sample;
 pub mod coplanar;
 pub mod denoise;
+mod distribution;
 pub mod emitters;
 pub mod environment;
 pub mod explain;

@@ -159,7 +159,7 @@ impl Difference {
     /// The same for the record, of a change that `holds` or does not.
     pub(crate) fn measured(self, holds: bool) -> Measured {
         let Self { value, deviation, price } = self;
-        Measured { holds, difference: value - price, deviation, price, paths: 0 }
+        Measured { holds, difference: value - price, deviation, price }
     }
 }
 
@@ -195,8 +195,6 @@ pub(crate) struct Measured {
     pub(crate) deviation: f64,
     /// By how much it has to be below zero.
     pub(crate) price: f64,
-    /// Paths a pixel, in each of two renderings.
-    pub(crate) paths: u32,
 }
 
 /// The share of the blocks that are independent of each other, from their standardised `residuals`.

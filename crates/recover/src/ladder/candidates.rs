@@ -6,7 +6,7 @@
 //! Only the worst groups are asked at a time, because a wrong group spoils the light of its
 //! neighbours: once it is right, their errors may be gone. A proposal changes nothing by itself: the driver makes it.
 
-use super::compared::{Asking, Compared, Fitted, decide, is_explained};
+use super::compared::{self, Compared, Fitted, decide, is_explained};
 use super::evidence_pair::{EvidencePair, Fits, Gathering};
 use super::proposal::Proposal;
 use super::textures::{self, Textured};
@@ -34,9 +34,6 @@ const CLEARLY: f64 = 1.5;
 /// things that the model lacks were left out, at double small outliers were fitted, in scenes whose other groups are
 /// explained to 1 %.
 const UNEXPLAINED: f64 = 0.06;
-/// A uniform hypothesis explains a group if its relative residual is at most this. At half of it every group was asked with
-/// all light samples; double of it kept hypotheses that more samples would refuse, in the same scenes.
-const EXPLAINED: f64 = 0.02;
 /// A lobe over a texture is another one if its roughness is so many times as large or small. At half of the difference
 /// the noise of the light changes it back and forth, double of it is visible.
 const OTHER_LOBE: f32 = 1.3;
@@ -51,24 +48,17 @@ pub(crate) struct Candidates<'o> {
     asked: Vec<usize>,
     /// At which level each group was asked last.
     asked_at: Vec<Option<Level>>,
-    /// Groups whose specular part the other groups' pixels support: their own do not take it from them.
-    kept: Vec<usize>,
 }
 
 impl<'o> Candidates<'o> {
     pub(crate) fn new(guess: &Guess<'_>, options: &'o Options) -> Self {
         let groups = guess.materials.len();
-        Self { options, asked: vec![0; groups], asked_at: vec![None; groups], kept: Vec::new() }
+        Self { options, asked: vec![0; groups], asked_at: vec![None; groups] }
     }
 
     /// Lets `groups` be asked again at the present level: their light has changed.
     pub(crate) fn ask_again(&mut self, groups: &[usize]) {
         groups.iter().for_each(|group| self.asked_at[*group] = None);
-    }
-
-    /// The specular part of `group` stays whatever its own pixels say.
-    pub(crate) fn keep(&mut self, group: usize) {
-        self.kept.push(group);
     }
 
     /// Groups whose hypothesis does not explain the photograph yet.
@@ -173,17 +163,7 @@ impl<'o> Candidates<'o> {
         let budget =
             sample_budget::candidates(level, self.options, &guess.problem.unknown_lights, pixels);
         let by = Gathering { options: self.options, group, budget };
-        let asking = Asking {
-            by,
-            level,
-            explained: EXPLAINED,
-            stands: sample_budget::is_light_to_spare(
-                level,
-                self.options,
-                &guess.problem.unknown_lights,
-            ),
-        };
-        let Some(compared) = asking.compare(guess) else { return Answer::default() };
+        let Some(compared) = compared::compare(guess, &by) else { return Answer::default() };
         let Compared { evidence, fitted, is_other_minimum } = compared;
         let mut answer = Answer {
             candidates: records(&fitted),
@@ -192,9 +172,6 @@ impl<'o> Candidates<'o> {
             ..Answer::default()
         };
         let chosen = fitted.chosen().clone();
-        if chosen.hypothesis == Hypothesis::Diffuse && self.kept.contains(&group) {
-            return answer;
-        }
         let uniform =
             Proposal { is_other_minimum, ..Proposal::uniform(group, &chosen, &fitted.outliers) };
         let proposal = if guess.problem.groups[group].allows(chosen.hypothesis) {
@@ -284,7 +261,7 @@ impl<'o> Candidates<'o> {
         let proposal = Proposal {
             seen_texels: Some(seen),
             is_other_minimum,
-            ..Proposal::unasked(group, (Hypothesis::Textured, next), residual)
+            ..Proposal::to(group, (Hypothesis::Textured, next), residual)
         };
         (Some(measured), Some(proposal))
     }

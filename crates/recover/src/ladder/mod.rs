@@ -7,7 +7,5 @@
 pub(crate) mod candidates;
 mod compared;
 mod evidence_pair;
-pub(crate) mod lacking;
 pub(crate) mod proposal;
 pub(crate) mod textures;
-mod unexplained;

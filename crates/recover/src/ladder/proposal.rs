@@ -33,12 +33,12 @@ impl Proposal {
         Self {
             likelihood: Some(fit.likelihood),
             outliers: outliers.to_vec(),
-            ..Self::unasked(group, to, fit.residual)
+            ..Self::to(group, to, fit.residual)
         }
     }
 
-    /// The change to a hypothesis with its material that the group's own pixels do not call for, and their residual.
-    pub(super) fn unasked(
+    /// The change to a hypothesis with its material, whose residual is this.
+    pub(super) fn to(
         group: usize,
         (hypothesis, material): (Hypothesis, Material),
         residual: ResidualStats,
@@ -83,12 +83,5 @@ impl Proposal {
         });
         of_group.seen_texels.clone_from(&self.seen_texels);
         guess.materials[self.group] = self.material.clone();
-    }
-
-    /// The guess that `guess` becomes by the change.
-    pub(crate) fn applied<'a>(&self, guess: &Guess<'a>) -> Guess<'a> {
-        let mut guess = guess.clone();
-        self.apply(&mut guess);
-        guess
     }
 }

@@ -4,6 +4,7 @@ use super::means::{self, Mean};
 use super::normal::Normal;
 use super::system::System;
 use super::unknowns::Unknowns;
+use crate::compare::WORSE;
 use crate::guess::Guess;
 use nalgebra::{DMatrix, DVector};
 use unrender_scene::Rgb;
@@ -11,17 +12,16 @@ use unrender_scene::Rgb;
 /// The first damping after a step that made things worse, relative to the curvature; then tenfold.
 const DAMPING: f64 = 0.1;
 
+/// Steps at most.
+pub(super) const STEPS_MAX: usize = 10;
+/// A step is taken if one of its numbers is this many standard deviations long. At a thirtieth of it drafts follow the
+/// noise of their paths away from the ladder's answer; at double the accumulation begins off the minimum.
+const SIGNIFICANT: f64 = 3.0;
+
 /// The descent of some unknowns to where they explain the photograph best.
 pub(super) struct Descent<'u> {
     pub(super) unknowns: &'u Unknowns,
     pub(super) prior: &'u DVector<f64>,
-    /// Steps at most.
-    pub(super) steps_max: usize,
-    /// A step is taken if one of its numbers is this many standard deviations long.
-    pub(super) significant: f64,
-    /// A step made things worse if the weighted squared error is higher by this many standard deviations of the
-    /// difference.
-    pub(super) worse: f64,
 }
 
 /// What paths showed, and its normal equations.
@@ -62,13 +62,13 @@ impl Descent<'_> {
         let mut shown = None;
         let mut last: Option<StepStart<'a>> = None;
         let mut damping = 0.0;
-        for number in 1..=self.steps_max {
+        for number in 1..=STEPS_MAX {
             guess.look_at_photograph();
             let means = show(&guess);
             let normal = Normal::of(&means, unknowns, guess.materials.len());
             let error = relative_error(&normal, &means);
             let errors = means::relative_errors(&means, guess.materials.len());
-            let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means, self.worse));
+            let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means));
             let start = match last.take() {
                 Some(before) if worse => {
                     damping = f64::max(10.0 * damping, DAMPING);
@@ -86,7 +86,7 @@ impl Descent<'_> {
                 return (start.guess, shown);
             };
             let moved = in_deviations(&step, &start.system.covariance());
-            if !worse && moved.iter().all(|moved| *moved <= self.significant) {
+            if !worse && moved.iter().all(|moved| *moved <= SIGNIFICANT) {
                 return (start.guess, shown);
             }
             guess = start.guess.clone();
@@ -111,16 +111,16 @@ impl<'a> StepStart<'a> {
     }
 
     /// Whether `means`, of the same cells with the same random numbers, are further from the photograph by more than
-    /// `worse` times the standard deviation of the difference under either model, `2 sqrt(S)` with `S` the squared
+    /// [`WORSE`] times the standard deviation of the difference under either model, `2 sqrt(S)` with `S` the squared
     /// distance of both.
-    fn is_better_than(&self, means: &[Mean], worse: f64) -> bool {
+    fn is_better_than(&self, means: &[Mean]) -> bool {
         let (mut difference, mut separation) = (0.0, 0.0);
         for ((mean, weight), before) in means.iter().zip(&self.weights).zip(&self.residuals) {
             let ([a, b], [c, d]) = (mean.residuals, *before);
             difference += f64::from((*weight * (a * b - c * d)).element_sum());
             separation += f64::from((*weight * (a - c) * (b - d)).element_sum());
         }
-        difference > worse * 2.0 * separation.max(0.0).sqrt()
+        difference > WORSE * 2.0 * separation.max(0.0).sqrt()
     }
 }
 

@@ -47,22 +47,7 @@ impl<'a> KeptPaths<'a> {
         settings: &Settings,
     ) -> Self {
         let fitting = fitting(guess, per_group, settings.spp);
-        Self::untraced(guess, sample::all(guess, fitting, pixels_seed), settings)
-    }
-
-    /// Paths of `cells`, on which derivatives by the numbers `asked` will be wanted.
-    pub(super) fn of_cells(
-        guess: &Guess<'a>,
-        cells: Vec<Cell>,
-        asked: &[Parameter],
-        settings: &Settings,
-    ) -> Self {
-        let paths = Self::untraced(guess, cells, settings);
-        let tiles = paths.trace(guess, asked);
-        Self { tiles: OnceCell::from(tiles), ..paths }
-    }
-
-    fn untraced(guess: &Guess<'a>, cells: Vec<Cell>, settings: &Settings) -> Self {
+        let cells = sample::all(guess, fitting, pixels_seed);
         Self {
             samples: vec![settings.samples(); cells.len()],
             cells,
@@ -119,7 +104,7 @@ impl<'a> KeptPaths<'a> {
 }
 
 /// Whether paths that were drawn from `drawn` carry the lobe of `now`, if it has one.
-pub(super) fn is_near(now: &Material, drawn: &Material) -> bool {
+fn is_near(now: &Material, drawn: &Material) -> bool {
     let within = |now: f32, drawn: f32| {
         let [least, most] = CARRIED;
         now >= least * drawn && now <= most * drawn

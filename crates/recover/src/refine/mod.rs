@@ -7,11 +7,9 @@
 //!
 //! The covariance of the result comes from the spread of the picture's blocks. It holds the noise of the photograph and
 //! of our renderings, and the model error, whose sizes need not be known. Then [`verdict`] says what the photograph
-//! does not determine; where that makes a hypothesis simpler, the rest is refined again. Hypotheses of one group are
-//! compared on the same kind of paths ([`side_by_side`]).
+//! does not determine; where that makes a hypothesis simpler, the rest is refined again.
 
 pub(crate) mod brightness;
-pub(crate) mod contenders;
 mod descent;
 mod kept;
 pub(crate) mod local_minima;
@@ -23,8 +21,6 @@ mod parameters;
 mod passes;
 mod relations;
 mod sample;
-pub(crate) mod score_test;
-pub(crate) mod side_by_side;
 mod system;
 mod unknowns;
 mod verdict;

@@ -194,7 +194,7 @@ fn add_row(
 
 /// For each group: how many cells count as one independent cell, by the correlation of neighbours' residuals, and of
 /// those of the same place in several photographs.
-pub(super) fn dependence(means: &[Mean], weights: &[Rgb]) -> BTreeMap<usize, f64> {
+fn dependence(means: &[Mean], weights: &[Rgb]) -> BTreeMap<usize, f64> {
     let mut cells: BTreeMap<usize, Vec<(Seen, DVec3)>> = BTreeMap::new();
     for (mean, weight) in means.iter().zip(weights) {
         let of_group = cells.entry(mean.group).or_default();

@@ -1,7 +1,7 @@
 //! Pass after pass over the photograph: towards the minimum, then until it is precise enough.
 //!
 //! *Approach*: few paths are traced, once ([`super::kept`]), and steps are made on them while one of their numbers is
-//! significant (`SIGNIFICANT`), so that noise never leads away from the ladder's answer. A pass that finds the error
+//! significant, so that noise never leads away from the ladder's answer. A pass that finds the error
 //! worse than before is taken back and its step tried again with damping [Levenberg 1944; Marquardt 1963]. Where a lobe
 //! has left the range that the paths carry, they are traced anew.
 //!
@@ -12,7 +12,7 @@
 //! any, or after so many passes that more would help little.
 
 use super::Solution;
-use super::descent::{Descent, Evaluated, Taken, in_deviations, relative_error, system};
+use super::descent::{Descent, Evaluated, STEPS_MAX, Taken, in_deviations, relative_error, system};
 use super::kept::KeptPaths;
 use super::means::{self, Mean};
 use super::needs;
@@ -20,7 +20,6 @@ use super::normal::Normal;
 use super::origins::Origins;
 use super::sample;
 use super::unknowns::Unknowns;
-use crate::compare::WORSE;
 use crate::effort::Effort;
 use crate::guess::Guess;
 use crate::problem::{Options, Role};
@@ -42,17 +41,12 @@ const PIXELS_DRAFT: usize = 4000;
 /// where not. Derivatives by each direction of a sky are noisy, and with half of it a sky is a tenth further off. Where they
 /// are known, double of it takes a room of 9 groups a tenth more time, and brings it no nearer.
 const FINE: [u32; 2] = [16, 32];
-/// Steps of an approach at most, how often its paths may be traced, and passes of an accumulation at most, also of a draft.
+/// How often the paths of an approach may be traced, and passes of an accumulation at most, also of a draft.
 /// With six passes a room takes a tenth less time; double was not tried. With two a draft takes a fifth less, and stops
 /// short of the minimum: unknown lights are three and a half of their standard deviations off.
-const STEPS_MAX: usize = 10;
 const TRACED_MAX: usize = 3;
 const PASSES_MAX: usize = 10;
 const PASSES_DRAFT: usize = 6;
-/// A step of an approach is taken if one of its numbers is this many standard deviations long. At a thirtieth of
-/// it drafts follow the noise of their paths away from the ladder's answer; at double the accumulation begins off
-/// the minimum.
-const SIGNIFICANT: f64 = 3.0;
 /// How often an exposure that is far off is matched to the renderings, whose paths end in the photograph and follow it.
 /// Half of it leaves half of what reflections add; double changes nothing.
 const BRIGHTER_MAX: usize = 6;
@@ -166,13 +160,7 @@ impl<'o> Passes<'o> {
         if progress.as_ref().is_some_and(|progress| progress.is_cancelled()) {
             return (guess, None);
         }
-        let descent = Descent {
-            unknowns,
-            prior,
-            steps_max: STEPS_MAX,
-            significant: SIGNIFICANT,
-            worse: WORSE,
-        };
+        let descent = Descent { unknowns, prior };
         let show = |guess: &Guess<'a>| guess.steps.value("pass", || kept.means(guess, unknowns));
         descent.run(guess, &show, &mut |guess, Taken { number, step, error, errors }| {
             let Some(progress) = &mut progress else { return true };

@@ -39,11 +39,6 @@ pub(crate) fn all(guess: &Guess<'_>, per_group: usize, seed: u64) -> Vec<Cell> {
     cells(&guess.stage(), groups, per_group, seed)
 }
 
-/// At most `per_group` pixels of `group`.
-pub(super) fn of_group(guess: &Guess<'_>, group: usize, per_group: usize, seed: u64) -> Vec<Cell> {
-    cells(&guess.stage(), std::iter::once(group), per_group, seed)
-}
-
 /// Takes the radiances of `cells`, and their noise, by the exposure and the camera's numbers as they stand in
 /// `guess`.
 pub(super) fn expose(guess: &Guess<'_>, cells: &mut [Cell]) {

@@ -67,26 +67,6 @@ impl System {
         quadratic::minimise(&h, &self.g.component_div(&self.unit), bounds)
     }
 
-    /// The equations of the unknowns `own` alone, with `others` at their best beside them and the rest fixed: curvature
-    /// and gradient. None where noise leaves the others' curvature singular.
-    pub(super) fn beside(
-        &self,
-        own: &[usize],
-        others: &[usize],
-    ) -> Option<(DMatrix<f64>, DVector<f64>)> {
-        let block = |rows: &[usize], columns: &[usize]| {
-            DMatrix::from_fn(rows.len(), columns.len(), |i, j| self.h[(rows[i], columns[j])])
-        };
-        let g = |rows: &[usize]| DVector::from_fn(rows.len(), |i, _| self.g[rows[i]]);
-        let of_others = block(others, others).cholesky()?;
-        let across = block(others, own);
-        let h = block(own, own) - across.transpose() * of_others.solve(&across);
-        let left = g(own) - across.transpose() * of_others.solve(&g(others));
-        let unit = |i: usize| self.unit[own[i]];
-        let h = DMatrix::from_fn(own.len(), own.len(), |i, j| h[(i, j)] / unit(i) / unit(j));
-        Some((h, DVector::from_fn(own.len(), |i, _| left[i] / unit(i))))
-    }
-
     /// The covariance of the minimum if all cells were independent: it judges steps, and how many paths are worth their
     /// time.
     pub(super) fn covariance(&self) -> DMatrix<f64> {
@@ -118,37 +98,5 @@ impl System {
         let (n, inverse) = (self.unit.len(), self.scaled_inverse());
         let covariance = &inverse * of_gradient * &inverse;
         DMatrix::from_fn(n, n, |i, j| self.unit[i] * covariance[(i, j)] * self.unit[j])
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_best_beside_others_is_part_of_what_is_best_together() {
-        // Positive definite, in units of 1 to 4.
-        let n = 4;
-        let a = DMatrix::from_fn(n, n, |i, j| (1.0 + (3 * i + 5 * j) as f64).sin());
-        let h = &a * a.transpose() + DMatrix::identity(n, n);
-        let g = DVector::from_fn(n, |i, _| (2.0 + i as f64).cos());
-        let unit = DVector::from_fn(n, |i, _| 1.0 + i as f64);
-        let none = DMatrix::zeros(n, n);
-        let [g_covariance, g_dependent, g_rendering] = [none.clone(), none.clone(), none];
-        let system =
-            System { unit: unit.clone(), h: h.clone(), g, g_covariance, g_dependent, g_rendering };
-        let bounds = quadratic::Bounds { intervals: vec![[-100.0, 100.0]; n], pairs: Vec::new() };
-        let together = system.step(0.0, &bounds).expect("it is positive definite");
-        let (own, others) = ([1, 3], [0, 2]);
-        let (h, g) = system.beside(&own, &others).expect("it is positive definite");
-        let beside = h.clone().cholesky().expect("it is positive definite").solve(&g);
-        for (k, beside) in own.iter().zip(beside.iter()) {
-            assert!((together[*k] - beside).abs() < 1e-9, "{together} {beside}");
-        }
-        // Without others each is alone.
-        let (alone, _) = system.beside(&own, &[]).expect("it is positive definite");
-        let [a, b] = own;
-        assert!((alone[(0, 1)] - system.h[(a, b)] / unit[a] / unit[b]).abs() < 1e-12);
-        assert!(h[(0, 0)] < alone[(0, 0)], "what others explain says less");
     }
 }

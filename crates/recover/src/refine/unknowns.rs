@@ -60,20 +60,6 @@ impl Unknowns {
         Self::new(list, guess)
     }
 
-    /// The numbers of `group` alone.
-    pub(super) fn of_group(guess: &Guess<'_>, group: usize) -> Self {
-        let mut list = Vec::new();
-        for &quantity in quantities(&guess.groups[group], &guess.materials[group]) {
-            push(&mut list, quantity, group);
-        }
-        Self::new(list, guess)
-    }
-
-    /// No number at all.
-    pub(super) fn none(guess: &Guess<'_>) -> Self {
-        Self::new(Vec::new(), guess)
-    }
-
     /// The same with the exposure free, whatever fixes it.
     pub(super) fn with_exposure(guess: &Guess<'_>) -> Self {
         let mut list = Self::of(guess).list;

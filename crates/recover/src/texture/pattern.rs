@@ -99,7 +99,7 @@ impl Pattern {
     pub(crate) fn measured(&self, holds: bool, least: f64) -> Measured {
         let share = (least.min(1e6) / self.contrast.abs().max(1e-6)).powi(2);
         let price = share * self.gain.abs();
-        Measured { holds, difference: -self.gain, deviation: self.deviation, price, paths: 0 }
+        Measured { holds, difference: -self.gain, deviation: self.deviation, price }
     }
 
     /// Whether it is a texture of at least this contrast.

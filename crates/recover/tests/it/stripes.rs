@@ -62,8 +62,6 @@ pub(crate) struct Stripes {
 pub(crate) struct Facing {
     /// The share of the light of one that reaches the other.
     pub(crate) form_factor: f32,
-    /// A stripe whose lobe no pixel shows: it sends its light to the other one alone.
-    pub(crate) hidden: Option<u32>,
 }
 
 impl Stripes {
@@ -141,7 +139,6 @@ impl Stripes {
         }
         let wo = Self::wo(pixel);
         let rho_d = Self::seen(material, self.geometry.pixels()[pixel as usize].uv);
-        let is_hidden = self.facing.is_some_and(|facing| facing.hidden == Some(group));
         let shine = lobe.map_or_else(
             || Self::mirror(wo),
             |lobe| {
@@ -152,7 +149,6 @@ impl Stripes {
                 brighter * self.incident.iter().map(lit).sum::<Rgb>()
             },
         );
-        let shine = if is_hidden { Rgb::ZERO } else { shine };
         rho_d * self.irradiance * brighter * FRAC_1_PI + material.rho_s * shine
     }
 
@@ -273,10 +269,7 @@ impl Renderer for Stripes {
             let count = if settings.keep_incident { self.incident.len() as u32 } else { 0 };
             let at = self.geometry.pixels()[pixel as usize];
             let brighter = self.brighter(appearance.materials, pixel);
-            let is_hidden = self.facing.is_some_and(|facing| facing.hidden == Some(at.group));
-            let shown = if is_hidden { Rgb::ZERO } else { Rgb::ONE };
-            let lit =
-                |of: &Incident| Incident { irradiance: brighter * shown * of.irradiance, ..*of };
+            let lit = |of: &Incident| Incident { irradiance: brighter * of.irradiance, ..*of };
             all.incident.extend(self.incident.iter().take(count as usize).map(lit));
             let is_dark = self.dark == Some(at.group);
             let irradiance = if is_dark { Rgb::ZERO } else { brighter * self.irradiance };
@@ -290,7 +283,7 @@ impl Renderer for Stripes {
                 point: at.uv.extend(0.0),
                 emitted: Rgb::ZERO,
                 diffuse: irradiance * FRAC_1_PI,
-                mirror: shown * Self::mirror(Self::wo(pixel)),
+                mirror: Self::mirror(Self::wo(pixel)),
                 mirrored: None,
                 first,
                 count,

@@ -57,8 +57,9 @@ pub struct LightSample {
     pub wi: Vec3,
     /// Length of the shadow ray.
     pub distance: f32,
-    /// Of a triangle or the environment: radiance over `pdf`. Of a punctual light: irradiance at a
-    /// surface that faces it, over the light's probability.
+    /// Of a triangle: radiance over `pdf`. Of a punctual light: irradiance at a surface that faces it, over the light's
+    /// probability. Of the environment: one over `pdf`, and radiance over it once it is known
+    /// that nothing occludes it.
     pub weight: Rgb,
     /// Density over solid angle; none for punctual lights, which no other ray can hit.
     pub pdf: Option<f32>,
@@ -115,10 +116,10 @@ impl Emitters {
         emitters.sort_triangles();
         for (index, pool) in emitters.pools.iter().enumerate() {
             for (place, light) in pool.lights.iter().enumerate() {
-                if let Emitter::Triangle(triangle) = light.light {
+                if let Emitter::Triangle(triangle) = *light {
                     let triangle = &mut emitters.triangles[triangle as usize];
                     triangle.pool = index as u32;
-                    triangle.density = pool.probability(place) / triangle.area();
+                    triangle.density = pool.lights.probability(place) / triangle.area();
                 }
             }
         }
@@ -130,8 +131,8 @@ impl Emitters {
         let mut order = Vec::with_capacity(self.triangles.len());
         for pool in &mut self.pools {
             let first = order.len() as u32;
-            for light in &mut pool.lights {
-                if let Emitter::Triangle(index) = &mut light.light {
+            for light in pool.lights.iter_mut() {
+                if let Emitter::Triangle(index) = light {
                     order.push(*index as usize);
                     *index = order.len() as u32 - 1;
                 }
@@ -334,10 +335,10 @@ impl Emitters {
         point: Vec3,
         u: [f32; 3],
     ) -> Option<LightSample> {
-        let place = pool.place(u[0]);
+        let place = pool.lights.place(u[0]);
         let light = match pool.triangles_from {
             Some(first) => Emitter::Triangle(first + place as u32),
-            None => pool.lights[place].light,
+            None => *pool.lights.at(place),
         };
         match light {
             Emitter::Triangle(index) => {
@@ -350,7 +351,7 @@ impl Emitters {
                     return None;
                 }
                 let source = LightSource::Punctual(index);
-                let weight = irradiance / (probability * pool.probability(place));
+                let weight = irradiance / (probability * pool.lights.probability(place));
                 Some(LightSample { source, wi, distance, weight, pdf: None })
             }
             Emitter::Environment => self.sample_environment(probability, [u[1], u[2]]),
@@ -361,12 +362,18 @@ impl Emitters {
         let environment = self.environment.as_ref()?;
         let (wi, pdf) = environment.sample(u);
         let pdf = probability * pdf;
-        let radiance = environment.radiance(wi);
-        if pdf <= 0.0 || radiance.max_element() <= 0.0 {
-            return None;
-        }
         let (source, distance) = (LightSource::Environment(wi), f32::INFINITY);
-        Some(LightSample { source, wi, distance, weight: radiance / pdf, pdf: Some(pdf) })
+        let weight = Rgb::splat(pdf.recip());
+        (pdf > 0.0).then_some(LightSample { source, wi, distance, weight, pdf: Some(pdf) })
+    }
+
+    /// `light`, and if it is from the environment with its radiance; none if that is black. In a room most of these are
+    /// occluded, and the panorama is so large that to look up one pixel takes as long as much of the ray.
+    #[inline]
+    pub(crate) fn looked_up(&self, light: LightSample) -> Option<LightSample> {
+        let LightSource::Environment(wi) = light.source else { return Some(light) };
+        let weight = self.environment(wi) * light.weight;
+        (weight.max_element() > 0.0).then_some(LightSample { weight, ..light })
     }
 }
 

@@ -2,7 +2,7 @@
 //! ([`crate::virtual_lamps`]).
 
 use super::Emitters;
-use super::pool::{DIRECTIONAL, ENVIRONMENT, Emitter, Weighted};
+use super::pool::{DIRECTIONAL, ENVIRONMENT, Emitter};
 use glam::Vec3;
 use unrender_scene::LightKind;
 
@@ -35,21 +35,24 @@ pub(crate) struct LampSphere {
 impl Emitters {
     /// Where the light of the pool with the index `pool` comes from; none if it has nothing to sample in mirrors.
     pub(crate) fn origin(&self, pool: usize) -> Option<PoolOrigin> {
-        match (pool, self.pools[pool].lights.as_slice()) {
-            (_, []) => None,
-            (ENVIRONMENT, _) => {
+        let lights = &self.pools[pool].lights;
+        match pool {
+            _ if lights.is_empty() => None,
+            ENVIRONMENT => {
                 let is_sun = self.environment.as_ref().is_some_and(|e| e.spread_sr() < SUN_SR);
                 is_sun.then_some(PoolOrigin::Anywhere)
             }
-            (DIRECTIONAL, [Weighted { light: Emitter::Punctual(light), .. }]) => {
-                match self.punctual[*light as usize] {
-                    LightKind::Directional { direction, .. } => {
-                        Some(PoolOrigin::Direction(-direction))
+            DIRECTIONAL => Some(match *lights.at(0) {
+                Emitter::Punctual(light) if lights.len() == 1 => {
+                    match self.punctual[light as usize] {
+                        LightKind::Directional { direction, .. } => {
+                            PoolOrigin::Direction(-direction)
+                        }
+                        _ => PoolOrigin::Anywhere,
                     }
-                    _ => Some(PoolOrigin::Anywhere),
                 }
-            }
-            (DIRECTIONAL, _) => Some(PoolOrigin::Anywhere),
+                _ => PoolOrigin::Anywhere,
+            }),
             _ => Some(PoolOrigin::Sphere(self.bounds.sphere(pool))),
         }
     }

@@ -1,5 +1,6 @@
 //! Pools of lights: a light of a pool is drawn by its strength, a pool by numbers that depend on the point.
 
+use crate::distribution::Distribution;
 use crate::lanes::{self, total};
 use glam::Vec4;
 
@@ -33,29 +34,9 @@ pub(super) enum Emitter {
 /// Lights of which one is drawn by its strength.
 #[derive(Debug, Default)]
 pub(super) struct Pool {
-    pub(super) lights: Vec<Weighted>,
-    /// For each of as many equal slices of [0, 1) as there are lights: the light at its beginning
-    /// [Chen and Asau 1974], from where the right one is a step or two away.
-    guide: Vec<Slice>,
+    pub(super) lights: Distribution<Emitter>,
     /// If all are triangles: the index of the first one, after which the others follow in order.
     pub(super) triangles_from: Option<u32>,
-}
-
-/// The light of a pool at the beginning of a slice of [0, 1).
-#[derive(Clone, Copy, Debug)]
-struct Slice {
-    place: u32,
-    /// Where its share of [0, 1) begins and ends.
-    from: f32,
-    until: f32,
-}
-
-/// A light of a pool.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Weighted {
-    pub(super) light: Emitter,
-    /// The cumulative distribution up to this light; that of the last one is one.
-    pub(super) until: f32,
 }
 
 /// A number for each pool, in fours.
@@ -69,47 +50,8 @@ pub(crate) struct PoolWeights {
 impl Pool {
     /// Of `lights`, each with its strength.
     pub(super) fn new(lights: &[(Emitter, f32)]) -> Self {
-        let total: f64 = lights.iter().map(|light| f64::from(light.1)).sum();
-        let running = lights.iter().scan(0.0, |sum, &(light, strength)| {
-            *sum += f64::from(strength) / total;
-            Some(Weighted { light, until: *sum as f32 })
-        });
-        let lights: Vec<Weighted> = running.collect();
-        let (parts, last) = (lights.len(), lights.len().saturating_sub(1));
-        let part = |part: usize| {
-            let begin = part as f32 / parts as f32;
-            let place = lights.partition_point(|light| light.until <= begin).min(last);
-            let from = if place == 0 { f32::NEG_INFINITY } else { lights[place - 1].until };
-            Slice { place: place as u32, from, until: lights[place].until }
-        };
-        Self { guide: (0..parts).map(part).collect(), lights, triangles_from: None }
-    }
-
-    /// The place of the light that a number in [0, 1) draws.
-    #[inline]
-    pub(super) fn place(&self, u: f32) -> usize {
-        let last = self.lights.len() - 1;
-        let part = (u * self.guide.len() as f32) as usize;
-        let Slice { place, from, mut until } = self.guide[part.min(last)];
-        let mut place = place as usize;
-        // Rounding may have put the number into the part after its own.
-        if u < from {
-            while place > 0 && self.lights[place - 1].until > u {
-                place -= 1;
-            }
-            return place;
-        }
-        while place < last && until <= u {
-            place += 1;
-            until = self.lights[place].until;
-        }
-        place
-    }
-
-    /// The probability of the light at `place`, given the pool.
-    pub(super) fn probability(&self, place: usize) -> f32 {
-        let before = if place == 0 { 0.0 } else { self.lights[place - 1].until };
-        self.lights[place].until - before
+        let weighted = lights.iter().map(|(light, strength)| (*light, f64::from(*strength)));
+        Self { lights: Distribution::new(weighted), triangles_from: None }
     }
 }
 

@@ -128,16 +128,3 @@ fn densities_agree_with_those_of_the_samples() {
     }
     assert!(compared > 500, "{compared} samples");
 }
-
-#[test]
-fn a_pool_draws_the_light_whose_share_holds_the_number() {
-    let strength =
-        |i: u32| if i.is_multiple_of(7) { 0.0 } else { 0.01 + uniform(u64::from(i)).powi(6) };
-    let lights: Vec<_> = (0..500).map(|i| (Emitter::Triangle(i), strength(i))).collect();
-    let pool = Pool::new(&lights);
-    let by_search = |u: f32| pool.lights.partition_point(|light| light.until <= u).min(499);
-    let ends = pool.lights.iter().flat_map(|light| [light.until, light.until.next_down()]);
-    for u in ends.chain((0..10_000).map(uniform)).chain([-1e-7, 1.0 - f32::EPSILON]) {
-        assert_eq!(pool.place(u), by_search(u), "{u}");
-    }
-}

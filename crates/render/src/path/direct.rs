@@ -146,6 +146,7 @@ impl Transport<'_> {
         if f_cos.max_element() <= 0.0 || !self.is_visible(origin, light.wi, light.distance) {
             return;
         }
+        let Some(light) = self.tracer.emitters.looked_up(light) else { return };
         let mis = balance(light.pdf, count, bsdf_pdf);
         let (passed, transmittance) = (MirrorsPassed::default(), Rgb::ONE);
         let sample = &light;
@@ -179,7 +180,8 @@ impl Transport<'_> {
         else {
             return;
         };
-        let sample = &sample.light;
+        let Some(light) = self.tracer.emitters.looked_up(sample.light) else { return };
+        let sample = &light;
         let mis = balance(sample.pdf, count, bsdf_pdf * probability);
         let light = DirectLight { wi, f_cos, sample, passed, transmittance, mis };
         observer.record_direct(throughput, at, &light);
@@ -245,9 +247,10 @@ impl Transport<'_> {
         let origin = at.start();
         let light = self.tracer.emitters.sample(origin, u)?;
         let visible = at.is_above(light.wi) && self.is_visible(origin, light.wi, light.distance);
+        let light = visible.then(|| self.tracer.emitters.looked_up(light)).flatten()?;
         let weight = light.weight * self.brightness(light.source);
         let LightSample { wi, pdf, .. } = light;
-        visible.then_some(VisibleLight { wi, weight, pdf, by_direction: 1.0 })
+        Some(VisibleLight { wi, weight, pdf, by_direction: 1.0 })
     }
 
     /// A light sample by way of planar mirrors at a surface, the vertex number `bounce` of a path, for any
@@ -263,6 +266,7 @@ impl Transport<'_> {
         let reflects = at.is_above(sample.wi) && self.reflects(bounce + sample.count as u32);
         let way = reflects.then(|| self.open_way(origin, &sample)).flatten()?;
         let VirtualSample { wi, light, .. } = sample;
+        let light = emitters.looked_up(light)?;
         let weight = light.weight * self.brightness(light.source) * way.transmittance;
         Some(VisibleLight { wi, weight, pdf: light.pdf, by_direction: way.probability })
     }

@@ -61,9 +61,8 @@ fn won(key: &Key, group: &RunGroup, hypothesis: Hypothesis, last: usize) -> Mark
                 ")."
             }
             "light samples" => { "with the light sampled at its pixels, it fits better" (by(&key, made)) }
-            "other groups" => { "the groups that it lights fit better" (by(&key, made)) }
             "prediction" => { "texels from some of its pixels predict the others better" (by(&key, made)) }
-            "simpler" => { "the additional parameters of " (made.from) " are not significant." }
+            "simpler" => { "the additional parameters of " (made.from) " make no significant difference." }
             "project" => "the project allows no other.",
             _ => "the paper's rules chose it.",
         }
@@ -211,7 +210,6 @@ mod tests {
             deviation: Some(2.5),
             price: Some(price),
             sigmas: Some(-difference / 2.5),
-            paths: 0,
             accepted: true,
         }
     }

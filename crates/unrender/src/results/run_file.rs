@@ -240,7 +240,6 @@ fn decision(decision: &Decision) -> DecisionEntry {
         deviation: finite(decision.deviation),
         price: finite(decision.price),
         sigmas: None,
-        paths: decision.paths,
         accepted: decision.accepted,
     };
     entry.sigmas = entry.gain_in_sigmas();

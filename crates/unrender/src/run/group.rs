@@ -62,8 +62,6 @@ pub struct DecisionEntry {
     /// The gain, `difference` with the other sign, in standard deviations; left out where it has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigmas: Option<f64>,
-    /// Paths a pixel, in each of two renderings.
-    pub paths: u32,
     /// Whether the change was made.
     pub accepted: bool,
 }

@@ -173,12 +173,11 @@ fn group(index: usize, name: &str) -> RunGroup {
         iteration: 3,
         from: Hypothesis::Diffuse,
         to: hypothesis,
-        rule: ["light samples", "other groups", "prediction", "simpler"][index % 4].into(),
+        rule: ["light samples", "prediction", "simpler"][index % 3].into(),
         difference: Some(-120.5),
         deviation: Some(14.0),
         price: Some(21.0),
         sigmas: Some(120.5 / 14.0),
-        paths: 48,
         accepted: index > 0,
     };
     let selection_log = if index == 0 { Vec::new() } else { selection_log.collect() };
