@@ -119,6 +119,8 @@ mod tests {
 
     #[test]
     fn the_guide_leads_where_a_search_by_halves_does() {
+        // Below zero is the first one, whatever it weighs.
+        assert_eq!(Distribution::new([((), 0.0), ((), 1.0)]).place(-1e-7), 0);
         // Some weigh nothing, also the first and the last ones; others a thousandth of their neighbours.
         let weight =
             |k: usize| if k % 7 < 2 || k > 490 { 0.0 } else { 10.0f64.powi(-(k as i32 % 4)) };

@@ -58,8 +58,8 @@ pub struct LightSample {
     /// Length of the shadow ray.
     pub distance: f32,
     /// Of a triangle: radiance over `pdf`. Of a punctual light: irradiance at a surface that faces it, over the light's
-    /// probability. Of the environment: one over `pdf`, and radiance over it once it is known
-    /// that nothing occludes it.
+    /// probability. Of the environment: radiance over `pdf`, and zero until it is known that
+    /// nothing occludes it.
     pub weight: Rgb,
     /// Density over solid angle; none for punctual lights, which no other ray can hit.
     pub pdf: Option<f32>,
@@ -363,7 +363,7 @@ impl Emitters {
         let (wi, pdf) = environment.sample(u);
         let pdf = probability * pdf;
         let (source, distance) = (LightSource::Environment(wi), f32::INFINITY);
-        let weight = Rgb::splat(pdf.recip());
+        let weight = Rgb::ZERO;
         (pdf > 0.0).then_some(LightSample { source, wi, distance, weight, pdf: Some(pdf) })
     }
 
@@ -372,7 +372,7 @@ impl Emitters {
     #[inline]
     pub(crate) fn looked_up(&self, light: LightSample) -> Option<LightSample> {
         let LightSource::Environment(wi) = light.source else { return Some(light) };
-        let weight = self.environment(wi) * light.weight;
+        let weight = self.environment(wi) / light.pdf?;
         (weight.max_element() > 0.0).then_some(LightSample { weight, ..light })
     }
 }
