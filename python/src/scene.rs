@@ -340,7 +340,7 @@ fn mesh(arrays: &MeshArrays<'_>) -> PyResult<Mesh> {
         return Err(request(format!("there are {count} vertices, but {} normals", normals.len())));
     }
     let normals = normals.iter().map(|n| n.normalize_or(Vec3::Y)).collect();
-    Ok(Mesh { positions, normals, uvs, tangents: Vec::new(), triangles })
+    Ok(Mesh { positions, normals, uvs, triangles, ..Mesh::default() })
 }
 
 fn name(of: &Value) -> PyResult<String> {

@@ -18,7 +18,13 @@ impl Told {
 
     /// One sentence for each.
     pub(crate) fn sentences(&self) -> impl Iterator<Item = String> + '_ {
-        self.0.iter().map(|(what, groups)| {
+        self.sentences_of("group")
+    }
+
+    /// One sentence for each, where the names are those of something else: its word, whose plural has an s.
+    pub(crate) fn sentences_of(&self, word: &str) -> impl Iterator<Item = String> + '_ {
+        let word = word.to_owned();
+        self.0.iter().map(move |(what, groups)| {
             let named: Vec<String> =
                 groups.iter().take(NAMED).map(|name| format!("\"{name}\"")).collect();
             let plural = if groups.len() == 1 { "" } else { "s" };
@@ -26,7 +32,7 @@ impl Told {
                 0 => String::new(),
                 rest => format!(" and {rest} more"),
             };
-            format!("group{plural} {}{more}: {what}", named.join(", "))
+            format!("{word}{plural} {}{more}: {what}", named.join(", "))
         })
     }
 }

@@ -10,6 +10,8 @@
 //! | `D` | the direction was drawn as from the diffuse part of the BRDF |
 //! | `G` | it was drawn as from the glossy lobe |
 //! | `M` | it was drawn from a perfect mirror |
+//! | `P` | the way from there, or from the camera, went through panes |
+//! | `T` | it was bent or reflected by glass |
 //! | `L` | a ray in a drawn direction hit a lamp |
 //! | `l` | a light sample found a lamp or a light without a surface |
 //! | `E`, `e` | the same for the environment |
@@ -23,7 +25,7 @@
 use crate::appearance::{Appearance, LightSource};
 use crate::bsdf::{Bsdf, BsdfSample, Specular, lambert};
 use crate::camera_sample::camera_ray;
-use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
+use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex, Way};
 use crate::radiance_cache::Cached;
 use crate::settings::Settings;
 use crate::tracer::Tracer;
@@ -80,9 +82,7 @@ fn bright_paths(
             let mut sampler = settings.pixels(size.0).sampler(pixel, sample);
             let ray = camera_ray(camera, size, pixel, &mut sampler);
             observer.begin(sample);
-            if let Some(surface) = transport.surface(&ray) {
-                transport.trace(surface, -ray.direction, &mut sampler, 0, None, &mut observer);
-            }
+            transport.trace_ray(&ray, &mut sampler, &mut observer);
         }
         observer.found
     };
@@ -97,17 +97,28 @@ struct Bright<'a> {
     sample: u32,
     /// The letters of the path so far.
     kind: String,
+    /// Whether what it meets is what the camera sees.
+    is_seen: bool,
     found: Vec<BrightPath>,
 }
 
 impl<'a> Bright<'a> {
     fn new(transport: &'a Transport<'a>, threshold: f32, pixel: u32) -> Self {
-        Self { transport, threshold, pixel, sample: 0, kind: String::new(), found: Vec::new() }
+        Self {
+            transport,
+            threshold,
+            pixel,
+            sample: 0,
+            kind: String::new(),
+            is_seen: true,
+            found: Vec::new(),
+        }
     }
 
     /// From here on the events are those of the sample number `sample`.
     fn begin(&mut self, sample: u32) {
         self.sample = sample;
+        self.is_seen = true;
         self.kind.clear();
     }
 
@@ -126,7 +137,9 @@ impl<'a> Bright<'a> {
 }
 
 impl PathObserver for Bright<'_> {
-    fn record_vertex(&mut self, _: &Vertex<'_>) {}
+    fn record_vertex(&mut self, _: &Vertex<'_>) {
+        self.is_seen = false;
+    }
 
     fn record_direct(&mut self, throughput: Rgb, at: &Vertex<'_>, light: &DirectLight<'_>) {
         let arriving = light.sample.weight * light.transmittance;
@@ -144,7 +157,14 @@ impl PathObserver for Bright<'_> {
         self.kind.push(letter(at.bsdf, at.wo, sample));
     }
 
+    fn record_glass(&mut self, way: &Way) {
+        self.kind.push(if way.is_straight { 'P' } else { 'T' });
+    }
+
     fn record_emission(&mut self, throughput: Rgb, emission: &Emission, mis: f32) {
+        if self.is_seen {
+            return;
+        }
         self.keep(throughput * (emission.radiance * mis), emission.source, ["L", "E"]);
     }
 

@@ -9,7 +9,7 @@ use crate::accel::Ray;
 use crate::appearance::Appearance;
 use crate::camera_sample::{PixelSamples, camera_ray};
 use crate::film::{Accumulator, PixelAccumulator};
-use crate::path::{LocalBsdf, Transport};
+use crate::path::{LocalBsdf, RayHit, Transport};
 use crate::settings::Settings;
 use crate::tracer::Tracer;
 use glam::{DVec3, Vec3};
@@ -161,14 +161,15 @@ impl Transport<'_> {
     fn add_features(&self, mut ray: Ray, sums: &mut Sums) {
         let (mut throughput, mut distance, mut emission) = (Rgb::ONE, 0.0, Rgb::ZERO);
         for mirrors in 0..=MIRRORS_MAX {
-            let Some(surface) = self.surface(&ray) else {
-                emission += throughput * self.environment(ray.direction);
-                return sums.push(emission, Rgb::ZERO);
-            };
+            // Behind glass the surface that most of the light comes from.
+            let RayHit { surface, emission: of_hit, way } = self.follow(&ray, || 1.0);
+            throughput *= way.passage.filter;
+            emission += throughput * self.scaled(&of_hit);
+            let Some(surface) = surface else { return sums.push(emission, Rgb::ZERO) };
+            ray.direction = way.direction;
             distance += (surface.point - ray.origin).length();
-            emission += throughput * self.emitted(&surface);
-            let LocalBsdf { bsdf, .. } = self.bsdf(&surface);
-            let normal = surface.frame.normal;
+            let LocalBsdf { bsdf, frame } = self.bsdf(&surface);
+            let normal = frame.normal;
             let wi = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
             let is_followed = mirrors < MIRRORS_MAX && self.reflects(mirrors);
             if is_followed && bsdf.is_pure_mirror() && surface.is_above(wi) {

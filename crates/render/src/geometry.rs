@@ -1,13 +1,11 @@
 //! Geometry buffers (G-buffers): object, group, depth and normal at each pixel's centre.
 
 use crate::accel::Ray;
+pub use crate::surface::NOTHING;
 use crate::tracer::Tracer;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use unrender_scene::{Camera, Image};
-
-/// The object and group of pixels whose ray hits no surface.
-pub const NOTHING: u32 = u32::MAX;
 
 /// The first surface behind the centre of one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +16,7 @@ pub struct PixelGeometry {
     pub group: u32,
     /// Distance from the camera's centre, metres; infinite without a surface.
     pub depth: f32,
-    /// Unit shading normal on the viewer's side, world space; zero without a surface.
+    /// Unit shading normal of the mesh on the viewer's side, world space, without a normal map; zero without a surface.
     pub normal: Vec3,
     /// Unit tangent, from which the angle of anisotropy is measured, world space; zero without a
     /// surface.
@@ -56,7 +54,7 @@ impl Tracer {
                 object: surface.object,
                 group: surface.group,
                 depth: (surface.point - camera.origin()).length(),
-                normal: surface.frame.normal,
+                normal: surface.mesh_normal,
                 tangent: surface.frame.tangent,
                 uv: surface.uv,
                 front: surface.front,

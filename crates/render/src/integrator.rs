@@ -190,7 +190,7 @@ impl<'a> PathTracing<'a> {
         for index in samples {
             let mut sampler = self.settings.pixels(self.size.0).sampler(pixel, index);
             let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
-            accumulator.push(self.transport.radiance(&ray, &mut sampler, 0));
+            accumulator.push(self.transport.radiance(&ray, &mut sampler));
         }
     }
 }

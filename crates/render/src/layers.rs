@@ -12,7 +12,7 @@ use crate::bsdf::BsdfSample;
 use crate::camera_sample::camera_ray;
 use crate::film::{Accumulator, PixelAccumulator};
 use crate::integrator::CHUNK;
-use crate::path::{DirectLight, Emission, PathObserver, RadianceSum, Transport, Vertex};
+use crate::path::{DirectLight, Emission, PathObserver, RadianceSum, Transport, Vertex, Way};
 use crate::radiance_cache::Cached;
 use crate::settings::Settings;
 use crate::tracer::Tracer;
@@ -139,15 +139,8 @@ impl LayeredPicture<'_> {
         let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
         let Self { transport, layout, layer_of, .. } = self;
         let mut sums = LightSums { whole: RadianceSum::new(transport), layout, layer_of, light };
-        let Some(surface) = transport.surface(&ray) else {
-            let background = transport.background(ray.direction);
-            sums.add(background.source, background.radiance);
-            return transport.scaled(&background);
-        };
-        let emission = transport.emission(&surface);
-        sums.add(emission.source, emission.radiance);
-        transport.trace(surface, -ray.direction, &mut sampler, 0, None, &mut sums);
-        transport.scaled(&emission) + sums.whole.radiance
+        transport.trace_ray(&ray, &mut sampler, &mut sums);
+        sums.whole.radiance
     }
 }
 
@@ -194,6 +187,8 @@ impl PathObserver for LightSums<'_> {
     }
 
     fn record_bounce(&mut self, _: &Vertex<'_>, _: &BsdfSample, _: f32) {}
+
+    fn record_glass(&mut self, _: &Way) {}
 
     fn record_emission(&mut self, throughput: Rgb, emission: &Emission, mis: f32) {
         self.whole.record_emission(throughput, emission, mis);

@@ -56,11 +56,13 @@ pub mod query;
 pub mod radiance_cache;
 pub mod sampler;
 pub mod settings;
+mod shapes;
 pub mod surface;
 #[cfg(test)]
 mod test_meshes;
 pub mod tracer;
 mod turn;
+mod veil;
 pub mod view;
 mod virtual_lamps;
 

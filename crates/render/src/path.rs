@@ -13,14 +13,18 @@
 //! way of those (`crate::virtual_lamps`). Paths end by Russian roulette, at [`MAX_BOUNCES`], or at a
 //! surface whose radiance the image-based cache knows ([`crate::radiance_cache`]).
 //!
+//! Glass is no vertex of a path but part of the way between two (`way`).
+//!
 //! One function traces all paths, `Transport::trace`. It reports the events of a path to a
 //! `PathObserver`: `RadianceSum` adds up the radiance, and the tape of [`crate::jacobian`]
 //! differentiates it.
 
 mod direct;
+mod way;
 
 pub(crate) use direct::DirectLight;
 pub use direct::VisibleLight;
+pub(crate) use way::Way;
 
 use crate::accel::Ray;
 use crate::appearance::{Appearance, LightSource, SourceLayout};
@@ -124,6 +128,9 @@ pub(crate) trait PathObserver {
     /// probability `survival`.
     fn record_bounce(&mut self, at: &Vertex<'_>, sample: &BsdfSample, survival: f32);
 
+    /// The way from there, or from the camera, went through glass, which colours all that follows.
+    fn record_glass(&mut self, way: &Way);
+
     /// The path's ray hits something that emits. `mis` is the weight of multiple importance
     /// sampling.
     fn record_emission(&mut self, throughput: Rgb, emission: &Emission, mis: f32);
@@ -166,6 +173,9 @@ impl PathObserver for RadianceSum<'_> {
     fn record_bounce(&mut self, _: &Vertex<'_>, _: &BsdfSample, _: f32) {}
 
     #[inline]
+    fn record_glass(&mut self, _: &Way) {}
+
+    #[inline]
     fn record_emission(&mut self, throughput: Rgb, emission: &Emission, mis: f32) {
         let factor = self.brightness(emission.source);
         self.radiance += throughput * (emission.radiance * factor) * mis;
@@ -181,6 +191,8 @@ impl PathObserver for RadianceSum<'_> {
 pub(crate) struct RayHit {
     pub(crate) surface: Option<Surface>,
     pub(crate) emission: Emission,
+    /// The way there.
+    pub(crate) way: Way,
 }
 
 /// The light transport of one scene under one appearance.
@@ -214,11 +226,6 @@ impl<'a> Transport<'a> {
     /// the first vertex, which the camera itself sees.
     pub fn with_cache(self, cache: Option<CacheLookup<'a>>) -> Self {
         Self { cache, ..self }
-    }
-
-    /// The nearest surface along the ray.
-    pub fn surface(&self, ray: &Ray) -> Option<Surface> {
-        self.tracer.surface(ray)
     }
 
     /// A ray that leaves `surface` along `wi` without hitting it again.
@@ -271,15 +278,20 @@ impl<'a> Transport<'a> {
             let material = &self.appearance.materials[surface.group as usize];
             bsdf = bsdf.over(material.rho_d_at(surface.uv));
         }
-        let frame = rotation.map_or(surface.frame, |rotation| surface.frame.turned(rotation));
+        let has_lobe = bsdf.specular != Specular::None;
+        let frame = if has_lobe { surface.lobe_frame() } else { surface.frame };
+        let frame = rotation.map_or(frame, |rotation| frame.turned(rotation));
+        if surface.shades_itself {
+            bsdf = bsdf.bumped(frame.local_from_world(surface.mesh_normal));
+        }
         LocalBsdf { bsdf, frame }
     }
 
-    /// The radiance that arrives along the ray. The reflection at the first surface counts as the
-    /// bounce number `bounce`, from zero.
-    pub fn radiance(&self, ray: &Ray, sampler: &mut Sampler, bounce: u32) -> Rgb {
-        let Some(surface) = self.surface(ray) else { return self.environment(ray.direction) };
-        self.emitted(&surface) + self.reflected(surface, -ray.direction, sampler, bounce, None)
+    /// The radiance that arrives along the ray.
+    pub fn radiance(&self, ray: &Ray, sampler: &mut Sampler) -> Rgb {
+        let mut sum = RadianceSum::new(self);
+        self.trace_ray(ray, sampler, &mut sum);
+        sum.radiance
     }
 
     /// The radiance that `surface` reflects into `wo` (world space), without its emission. `trail` is
@@ -307,16 +319,16 @@ impl<'a> Transport<'a> {
         sampler: &mut Sampler,
         observer: &mut impl PathObserver,
     ) {
-        let surface = self.surface(ray);
-        let emission = match &surface {
-            Some(surface) => self.emission(surface),
-            None => self.background(ray.direction),
-        };
+        let RayHit { surface, emission, way } = self.follow(ray, || sampler.next4()[0]);
+        let filter = way.passage.filter;
+        if !way.is_open {
+            observer.record_glass(&way);
+        }
         if emission.radiance != Rgb::ZERO {
-            observer.record_emission(Rgb::ONE, &emission, 1.0);
+            observer.record_emission(filter, &emission, 1.0);
         }
         if let Some(surface) = surface {
-            self.trace(surface, -ray.direction, sampler, 0, None, observer);
+            self.trace_on((surface, -way.direction), (filter, 0), sampler, None, observer);
         }
     }
 
@@ -325,15 +337,27 @@ impl<'a> Transport<'a> {
     #[inline]
     pub(crate) fn trace(
         &self,
-        mut surface: Surface,
-        mut wo: Vec3,
+        surface: Surface,
+        wo: Vec3,
         sampler: &mut Sampler,
         bounce: u32,
+        trail: Option<MirrorTrail>,
+        observer: &mut impl PathObserver,
+    ) {
+        self.trace_on((surface, wo), (Rgb::ONE, bounce), sampler, trail, observer);
+    }
+
+    /// The same of a path that has the throughput `throughput` there.
+    #[inline]
+    fn trace_on(
+        &self,
+        (mut surface, mut wo): (Surface, Vec3),
+        (mut throughput, bounce): (Rgb, u32),
+        sampler: &mut Sampler,
         mut trail: Option<MirrorTrail>,
         observer: &mut impl PathObserver,
     ) {
-        let mut throughput = Rgb::ONE;
-        let mut carried = Rgb::ONE;
+        let mut carried = throughput;
         for bounce in bounce..self.max_bounces {
             if let Some(cached) = self.cached(&surface, bounce) {
                 observer.record_cache_hit(throughput, &cached);
@@ -382,14 +406,21 @@ impl<'a> Transport<'a> {
             }
             observer.record_bounce(&at, &sample, probability);
 
+            let hit = self.hit(&surface, wi, sampler);
             trail = self.trail(trail, &surface, &bsdf, sample.pdf, 1);
-            let hit = self.hit(&surface, wi);
+            trail = trail.filter(|_| hit.way.is_open);
+            if !hit.way.is_open {
+                let filter = hit.way.passage.filter;
+                throughput *= filter;
+                carried *= filter;
+                observer.record_glass(&hit.way);
+            }
             if hit.emission.radiance != Rgb::ZERO {
-                let mis = self.share_of_direction(&surface, &hit, wi, (sample.pdf, 1), trail);
+                let mis = self.share_of_direction(&surface, &hit, (sample.pdf, 1), trail);
                 observer.record_emission(throughput, &hit.emission, mis);
             }
             let Some(next) = hit.surface else { break };
-            (surface, wo) = (next, -wi);
+            (surface, wo) = (next, -hit.way.direction);
         }
     }
 
@@ -416,13 +447,8 @@ impl<'a> Transport<'a> {
 
     /// What the ray from `from` along `wi` hits.
     #[inline]
-    pub(crate) fn hit(&self, from: &Surface, wi: Vec3) -> RayHit {
-        let surface = self.surface(&Self::leave(from, wi));
-        let emission = match &surface {
-            Some(surface) => self.emission(surface),
-            None => self.background(wi),
-        };
-        RayHit { surface, emission }
+    pub(crate) fn hit(&self, from: &Surface, wi: Vec3, sampler: &mut Sampler) -> RayHit {
+        self.follow(&Self::leave(from, wi), || sampler.next4()[0])
     }
 
     /// Whether the sampling of a BRDF is guided.

@@ -25,12 +25,13 @@ use crate::bsdf::lobe::GlossyLobe;
 use crate::bsdf::{lambert, mirror};
 use crate::camera_sample::camera_ray;
 use crate::guiding::VmfMixture;
-use crate::path::{MAX_BOUNCES, Transport, VisibleLight};
+use crate::path::{MAX_BOUNCES, RayHit, Transport, VisibleLight};
 use crate::query::Query;
 use crate::radiance_cache::CacheLookup;
 use crate::sampler::Sampler;
 use crate::surface::Surface;
 use crate::tracer::Tracer;
+use crate::veil::Passage;
 use crate::virtual_lamps::MirrorTrail;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -301,7 +302,9 @@ impl<'a> Gatherer<'a> {
             gathering.directions(pixel, index);
         }
         let mirror = if reflects { gathering.mirror(pixel, index) } else { None };
-        let total: Rgb = out.incident[first..].iter().map(|i| i.irradiance).sum();
+        let mesh = surface.frame.local_from_world(surface.mesh_normal);
+        let lit = |wi: Vec3| if surface.shades_itself { lambert::lit(mesh, wi) } else { 1.0 };
+        let total: Rgb = out.incident[first..].iter().map(|i| i.irradiance * lit(i.wi)).sum();
         if !self.settings.keep_incident {
             out.incident.truncate(first);
         }
@@ -325,14 +328,15 @@ impl<'a> Gatherer<'a> {
     fn first_surface(&self, mut ray: Ray) -> Option<FirstSurface> {
         let mut throughput = Rgb::ONE;
         for bounces in 0..MIRRORS_MAX {
-            let surface = self.transport.surface(&ray)?;
+            let surface = self.transport.tracer.surface(&ray)?;
             let wo = -ray.direction;
             let material = &self.materials[surface.group as usize];
             if !(self.settings.through_mirrors && material.is_pure_mirror()) {
                 return Some(FirstSurface { surface, wo, throughput, bounces: bounces as u32 });
             }
-            let local = surface.frame.local_from_viewer(wo);
-            let wi = surface.frame.world_from_local(mirror::reflect(local));
+            let frame = surface.lobe_frame();
+            let local = frame.local_from_viewer(wo);
+            let wi = frame.world_from_local(mirror::reflect(local));
             if !surface.is_above(wi) {
                 return None;
             }
@@ -432,21 +436,20 @@ impl Gathering<'_, '_> {
         let transport = &self.gatherer.transport;
         let density = self.density(wi);
         let lights = self.gatherer.settings.cosine as f32;
-        let Some(next) = transport.surface(&Transport::leave(&self.surface, world)) else {
-            let by_light = lights * transport.environment_pdf(&self.surface, world);
-            self.keep(wi, transport.environment(world) / (density + by_light));
-            return;
-        };
-        let emitted = transport.emitted(&next);
+        let hit = transport.hit(&self.surface, world, &mut sampler);
+        let Passage { filter, probability } = hit.way.passage;
+        let emitted = filter * transport.scaled(&hit.emission);
         if emitted != Rgb::ZERO {
-            let by_light = lights * transport.triangle_pdf(&self.surface, &next, world);
-            self.keep(wi, emitted / (density + by_light));
+            let by_light = lights * transport.light_pdf(&self.surface, &hit);
+            self.keep(wi, emitted * probability / (density * probability + by_light));
         }
+        let Some(next) = hit.surface else { return };
         let samples = self.gatherer.settings.cosine;
         let trail = MirrorTrail::new(&self.surface, density, samples);
-        let reflected =
-            transport.reflected(next, -world, &mut sampler, self.bounces + 1, Some(trail));
-        self.keep(wi, reflected / density);
+        let trail = hit.way.is_open.then_some(trail);
+        let (wo, bounce) = (-hit.way.direction, self.bounces + 1);
+        let reflected = transport.reflected(next, wo, &mut sampler, bounce, trail);
+        self.keep(wi, filter * reflected / density);
     }
 
     fn keep(&mut self, wi: Vec3, weighted_radiance: Rgb) {
@@ -459,22 +462,28 @@ impl Gathering<'_, '_> {
     /// Traces the mirror direction; none if not asked for, or if the direction lies below the
     /// surface.
     fn mirror(&self, pixel: u32, index: u32) -> Option<MirrorView> {
-        let wi = self.surface.frame.world_from_local(mirror::reflect(self.wo));
+        let frame = self.surface.lobe_frame();
+        let wo = frame.local_from_viewer(self.surface.to_viewer);
+        let wi = frame.world_from_local(mirror::reflect(wo));
         if !self.gatherer.settings.mirror || !self.surface.is_above(wi) {
             return None;
         }
         let transport = &self.gatherer.transport;
-        let Some(next) = transport.surface(&Transport::leave(&self.surface, wi)) else {
-            return Some(MirrorView { radiance: transport.environment(wi), surface: None });
-        };
         // A single path from the reflected point is very noisy where no cache ends it.
         let count = self.gatherer.settings.cosine.div_ceil(MIRROR_SHARE).max(1);
-        let paths = (0..count).map(|k| {
+        let (mut emitted, mut reflected) = (Rgb::ZERO, Rgb::ZERO);
+        for k in 0..count {
             let mut sampler = self.gatherer.sampler(pixel, MIRROR, index * count + k);
-            transport.reflected(next, -wi, &mut sampler, self.bounces + 1, None)
-        });
-        let radiance = transport.emitted(&next) + paths.sum::<Rgb>() / count as f32;
-        let surface = Some(Mirrored { object: next.object, point: next.point });
+            let RayHit { surface, emission, way } = transport.hit(&self.surface, wi, &mut sampler);
+            emitted += way.passage.filter * transport.scaled(&emission);
+            let Some(next) = surface else { continue };
+            let (wo, bounce) = (-way.direction, self.bounces + 1);
+            reflected +=
+                way.passage.filter * transport.reflected(next, wo, &mut sampler, bounce, None);
+        }
+        let radiance = emitted / count as f32 + reflected / count as f32;
+        let next = transport.shown(&Transport::leave(&self.surface, wi));
+        let surface = next.map(|next| Mirrored { object: next.object, point: next.point });
         Some(MirrorView { radiance, surface })
     }
 }

@@ -58,7 +58,7 @@ impl CacheLookup<'_> {
         let centre = (column as f32 + 0.5, row as f32 + 0.5);
         let same_surface = *self.cache.valid.at(column, row)
             && shown.object == surface.object
-            && shown.normal.dot(surface.frame.normal) > SAME_NORMAL;
+            && shown.normal.dot(surface.mesh_normal) > SAME_NORMAL;
         if !same_surface {
             return None;
         }

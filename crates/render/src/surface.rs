@@ -2,6 +2,9 @@
 
 use glam::{Vec2, Vec3};
 
+/// The object and group of pixels whose ray hits no surface, and the group of glass.
+pub const NOTHING: u32 = u32::MAX;
+
 /// A point on a surface, with normals on the side from which a ray arrived.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
@@ -23,6 +26,12 @@ pub struct Surface {
     pub frame: Frame,
     /// `TEXCOORD_0`; zero where there is none.
     pub uv: Vec2,
+    /// Unit vector back along the ray that arrived.
+    pub to_viewer: Vec3,
+    /// Unit shading normal of the mesh on the viewer's side: that of the frame but for a normal map.
+    pub mesh_normal: Vec3,
+    /// Whether the bumps of its normal map shade themselves.
+    pub shades_itself: bool,
 }
 
 impl Surface {
@@ -36,6 +45,30 @@ impl Surface {
     /// shading normal.
     pub fn is_above(&self, wi: Vec3) -> bool {
         wi.dot(self.geometric_normal) > 0.0 && wi.dot(self.frame.normal) > 0.0
+    }
+
+    /// The frame of a lobe. Where shading normals lean so far from the triangle that what they reflect towards the viewer
+    /// lies below it, they are turned back until it lies [`GRAZING`] above: else the rims of smooth things and the
+    /// slopes of normal maps were black.
+    ///
+    /// In the plane of both normals, with the angles from that of the triangle `phi` of the shading normal and `psi` of
+    /// the viewer, what is reflected rises `r cos(2 phi - psi)` above the triangle, where `r` is the length of the viewer's
+    /// direction in that plane.
+    #[inline]
+    pub(crate) fn lobe_frame(&self) -> Frame {
+        let (normal, geometric, viewer) =
+            (self.frame.normal, self.geometric_normal, self.to_viewer);
+        let rises = |n: Vec3| 2.0 * viewer.dot(n) * n.dot(geometric) - viewer.dot(geometric);
+        // What a flat triangle reflects rises as far as the viewer.
+        let least = GRAZING.min(0.5 * viewer.dot(geometric));
+        if rises(normal) >= least {
+            return self.frame;
+        }
+        let Some(along) = normal.reject_from(geometric).try_normalize() else { return self.frame };
+        let (x, z) = (viewer.dot(along), viewer.dot(geometric));
+        let turned = 0.5 * (x.atan2(z) + (least / x.hypot(z)).acos());
+        let normal = along * turned.sin() + geometric * turned.cos();
+        self.frame.about(normal)
     }
 }
 
@@ -70,6 +103,16 @@ impl Frame {
     pub(crate) fn orthonormal(front_normal: Vec3, tangent: Vec3, front: bool) -> Self {
         let normal = if front { front_normal } else { -front_normal };
         Self { tangent, bitangent: front_normal.cross(tangent), normal }
+    }
+
+    /// This frame with another normal.
+    fn about(&self, normal: Vec3) -> Self {
+        let tangent = self.tangent.reject_from(normal).try_normalize();
+        let tangent = tangent.unwrap_or_else(|| normal.any_orthonormal_vector());
+        // As the former bitangent, on either side.
+        let bitangent = normal.cross(tangent);
+        let side = 1f32.copysign(bitangent.dot(self.bitangent));
+        Self { tangent, bitangent: side * bitangent, normal }
     }
 
     /// A direction in world space as one in this frame.
@@ -111,6 +154,42 @@ impl Frame {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_lobe_reflects_rises_above_the_triangle() {
+        let tilted = |degrees: f32| {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            Vec3::new(sin, 0.0, cos)
+        };
+        for viewer in [-89.9f32, -80.0, -45.0, 0.0, 45.0, 80.0] {
+            let viewer = (tilted(viewer) + 0.3 * Vec3::Y).normalize();
+            for normal in [-89.0f32, -60.0, -10.0, 0.0, 10.0, 60.0, 89.0] {
+                let frame = Frame::new(tilted(normal), Vec3::Y, true);
+                let surface = Surface {
+                    point: Vec3::ZERO,
+                    triangle: 0,
+                    object: 0,
+                    group: 0,
+                    front: true,
+                    geometric_normal: Vec3::Z,
+                    clearance: 0.0,
+                    frame,
+                    uv: Vec2::ZERO,
+                    to_viewer: viewer,
+                    mesh_normal: frame.normal,
+                    shades_itself: false,
+                };
+                let found = surface.lobe_frame();
+                let reflected = 2.0 * viewer.dot(found.normal) * found.normal - viewer;
+                let least = GRAZING.min(0.5 * viewer.z);
+                assert!(reflected.z > least - 1e-5, "{viewer} {normal}: {reflected}");
+                let kept = 2.0 * viewer.dot(frame.normal) * frame.normal - viewer;
+                assert_eq!(kept.z >= least, found.normal == frame.normal);
+                let across = found.tangent.cross(found.bitangent).dot(found.normal);
+                assert!((across - 1.0).abs() < 1e-5 && found.tangent.y > 0.99);
+            }
+        }
+    }
 
     #[test]
     fn the_angle_of_anisotropy_is_counter_clockwise_from_the_front_on_both_sides() {

@@ -50,8 +50,10 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
     let name = insert.name.as_str();
     let prefix = format!("{name}.");
     let scene = &*stage.scene;
-    let mut names =
-        scene.groups.iter().map(|g| &g.name).chain(scene.objects.iter().map(|o| &o.name));
+    let groups = scene.groups.iter().map(|g| &g.name);
+    let mut names = groups
+        .chain(scene.objects.iter().map(|o| &o.name))
+        .chain(scene.ungrouped.iter().map(|shape| &shape.material));
     if names.any(|there| there == name || there.starts_with(&prefix)) {
         return Err(format!(
             "something in the scene is called \"{name}\" already; give the inserted object another \
@@ -63,7 +65,7 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
     let rotation = scene.up.rotation() * insert.rotation;
     let turned =
         Affine3A::from_scale_rotation_translation(Vec3::splat(insert.scale), rotation, Vec3::ZERO);
-    model.objects.iter_mut().for_each(|object| transform_mesh(&mut object.mesh, &turned));
+    model.meshes_mut().for_each(|mesh| transform_mesh(mesh, &turned));
     let Some([low, high]) = model.bounds() else {
         return Err(format!("the model of \"{name}\" has no triangles"));
     };
@@ -82,7 +84,7 @@ pub(crate) fn apply(insert: &Insert, stage: &mut Stage<'_>) -> Result<(), String
         }
     };
     let moved = Affine3A::from_translation(shift);
-    model.objects.iter_mut().for_each(|object| transform_mesh(&mut object.mesh, &moved));
+    model.meshes_mut().for_each(|mesh| transform_mesh(mesh, &moved));
     if let Some([a, b]) = scene.bounds() {
         let doubt = size::doubt((name, insert.scale), low.distance(high), a.distance(b));
         if (low + shift).cmpgt(b).any() || (high + shift).cmplt(a).any() {
@@ -148,6 +150,10 @@ fn join(insert: &Insert, model: Scene, stage: &mut Stage<'_>) {
         object.group += first;
         stage.scene.objects.push(object);
         stage.change.origin.push(None);
+    }
+    for mut shape in model.ungrouped {
+        shape.material = format!("{prefix}.{}", shape.material);
+        stage.scene.ungrouped.push(shape);
     }
     for mut light in model.lights {
         light.name = format!("{prefix}.{}", light.name);

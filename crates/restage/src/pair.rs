@@ -253,20 +253,18 @@ impl<'a> Side<'a> {
         Self { transport, materials }
     }
 
-    /// The surface visible at `surface` along `direction`: itself, or the reflected one of a
-    /// perfect mirror.
-    fn visible(&self, mut surface: Surface, mut direction: Vec3) -> Option<VisibleSurface> {
+    /// The surface visible at `surface`: itself, or the reflected one of a perfect mirror.
+    fn visible(&self, mut surface: Surface) -> Option<VisibleSurface> {
         for _ in 0..MIRRORS_MAX {
             if !self.materials[surface.group as usize].is_pure_mirror() {
                 break;
             }
             let normal = surface.frame.normal;
-            let wi = direction - 2.0 * direction.dot(normal) * normal;
+            let wi = 2.0 * surface.to_viewer.dot(normal) * normal - surface.to_viewer;
             if !surface.is_above(wi) {
                 return None;
             }
-            surface = self.transport.surface(&Transport::leave(&surface, wi))?;
-            direction = wi;
+            surface = self.transport.shown(&Transport::leave(&surface, wi))?;
         }
         let Surface { object, group, point, .. } = surface;
         Some(VisibleSurface { object, group, point })
@@ -274,8 +272,8 @@ impl<'a> Side<'a> {
 
     /// Traces one sample.
     fn sample(&self, ray: &Ray, sampler: &mut Sampler) -> PairSample {
-        let radiance = self.transport.radiance(ray, sampler, 0);
-        let visible = self.transport.surface(ray).and_then(|s| self.visible(s, ray.direction));
+        let radiance = self.transport.radiance(ray, sampler);
+        let visible = self.transport.shown(ray).and_then(|surface| self.visible(surface));
         PairSample { radiance, visible }
     }
 }

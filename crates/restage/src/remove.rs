@@ -5,7 +5,7 @@ use crate::stage::{Stage, some_names};
 /// Removes objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Remove {
-    /// The name of objects, or of a group, whose objects are all removed.
+    /// The name of objects, or of a group or a glass, whose objects are all removed.
     pub name: String,
     /// What the name refers to.
     pub what: Bearer,
@@ -43,8 +43,11 @@ pub(crate) fn apply(remove: &Remove, stage: &mut Stage<'_>) -> Result<(), String
         Bearer::Object => of_name(index),
         Bearer::Group => of_group(index),
     };
-    if !there(&goes) {
-        let groups = some_names(name, stage.scene.groups.iter().map(|g| g.name.as_str()));
+    let is_glass = |material: &str| remove.what != Bearer::Object && material == name;
+    let glass = stage.scene.ungrouped.iter().any(|shape| is_glass(&shape.material));
+    if !there(&goes) && !glass {
+        let of_groups = stage.scene.groups.iter().map(|g| g.name.as_str());
+        let groups = some_names(name, of_groups.chain(stage.scene.ungrouped_materials()));
         let names = some_names(name, objects.iter().map(|o| o.name.as_str()));
         return Err(format!(
             "the scene has no \"{name}\" to remove; its groups: {groups}; its objects: {names}"
@@ -52,5 +55,6 @@ pub(crate) fn apply(remove: &Remove, stage: &mut Stage<'_>) -> Result<(), String
     }
     let kept: Vec<bool> = all.clone().map(|index| !goes(index)).collect();
     stage.retain_objects(|index| kept[index]);
+    stage.scene.ungrouped.retain(|shape| !is_glass(&shape.material));
     Ok(())
 }

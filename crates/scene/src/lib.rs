@@ -9,10 +9,11 @@
 
 pub mod camera;
 pub mod color;
+pub mod detail;
 pub mod environment;
+pub mod glass;
 pub mod hypothesis;
 pub mod image;
-pub mod left_out;
 pub mod lens;
 pub mod light;
 pub mod lobe_albedo;
@@ -24,24 +25,29 @@ pub mod points;
 pub mod reflectance;
 mod serial;
 pub mod sheet;
+pub mod texture;
+pub mod ungrouped;
 pub mod up_axis;
 pub mod validate;
 
 pub use camera::Camera;
 pub use color::Rgb;
+pub use detail::{Coverage, Detail, NormalMap};
 pub use environment::{Corners, Environment, EnvironmentError};
+pub use glass::Glass;
 pub use hypothesis::{Hypothesis, Status};
 pub use image::{Image, RgbImage};
-pub use left_out::LeftOut;
 pub use lens::Lens;
 pub use light::{ENVIRONMENT, Light, LightKind, Source};
 pub use lobe_albedo::LobeAlbedo;
-pub use material::{BrdfModel, Lobe, Material, Texture, WardModel, Wrap};
+pub use material::{BrdfModel, Lobe, Material, WardModel};
 pub use mesh::{Mesh, Object};
 pub use picture::{Depth, Merged, Picture, Profile};
 pub use points::Pair;
 pub use reflectance::{Layering, Reflectance};
 pub use sheet::Sheet;
+pub use texture::{Mapped, Texture, Wrap};
+pub use ungrouped::Ungrouped;
 pub use up_axis::UpAxis;
 pub use validate::{SceneError, Warnings};
 
@@ -81,9 +87,9 @@ pub struct Scene {
     pub cameras: Vec<Camera>,
     /// The BRDF model of the groups' materials.
     pub brdf: BrdfModel,
-    /// The shapes of the file that take no part in light transport, as those of glass.
+    /// The shapes that belong to no group: glass, and what takes no part in light transport.
     #[serde(default)]
-    pub left_out: Vec<LeftOut>,
+    pub ungrouped: Vec<Ungrouped>,
     /// The origin of all positions here in the world of the scene's file, metres. It is zero except for scenes far from
     /// zero, whose positions would lose their digits in single precision.
     pub origin: DVec3,
@@ -121,13 +127,19 @@ impl Scene {
         }
     }
 
-    /// The lowest and the highest corner of the box around all triangles; none without a triangle.
+    /// The lowest and the highest corner of the box around all triangles, those of glass too; none without a triangle.
     pub fn bounds(&self) -> Option<[Vec3; 2]> {
-        let corners = self
-            .objects
-            .iter()
-            .flat_map(|o| (0..o.mesh.triangles.len()).flat_map(|index| o.mesh.corners(index)));
+        let glass = self.ungrouped.iter().filter(|shape| shape.glass.is_some());
+        let meshes = self.objects.iter().map(|o| &o.mesh).chain(glass.map(|shape| &shape.mesh));
+        let corners =
+            meshes.flat_map(|mesh| (0..mesh.triangles.len()).flat_map(|index| mesh.corners(index)));
         corners.map(|p| [p, p]).reduce(|a, b| [a[0].min(b[0]), a[1].max(b[1])])
+    }
+
+    /// The meshes of all objects, and of the shapes that belong to no group.
+    pub fn meshes_mut(&mut self) -> impl Iterator<Item = &mut Mesh> {
+        let objects = self.objects.iter_mut().map(|object| &mut object.mesh);
+        objects.chain(self.ungrouped.iter_mut().map(|shape| &mut shape.mesh))
     }
 
     /// The number of triangles of all objects together.

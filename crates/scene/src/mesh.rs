@@ -1,5 +1,6 @@
 //! Triangle meshes in world space.
 
+use crate::Detail;
 use glam::{Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
@@ -21,6 +22,9 @@ pub struct Mesh {
     pub tangents: Vec<Vec4>,
     /// Vertex indices, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
+    /// What its surface has below its triangles.
+    #[serde(default)]
+    pub detail: Detail,
 }
 
 impl Mesh {
@@ -48,7 +52,10 @@ impl Mesh {
         let mut mesh = Self::default();
         for (i, j) in (0..=UP).flat_map(|i| (0..=AROUND).map(move |j| (i, j))) {
             let (v, u) = (i as f32 / UP as f32, j as f32 / AROUND as f32);
-            let ((sin, cos), (sin_phi, cos_phi)) = ((PI * v).sin_cos(), (TAU * u).sin_cos());
+            // The last corners around are where the first are, and those of a pole in one place: it is closed.
+            let around = (j % AROUND) as f32 / AROUND as f32;
+            let ((sin, cos), (sin_phi, cos_phi)) = ((PI * v).sin_cos(), (TAU * around).sin_cos());
+            let sin = if i == UP { 0.0 } else { sin };
             let normal = Vec3::new(sin * cos_phi, sin * sin_phi, cos);
             mesh.positions.push(centre + radius * normal);
             mesh.normals.push(normal);
@@ -102,5 +109,6 @@ mod tests {
         assert!((share - 0.998).abs() < 0.0005, "{share}");
         let round = |p: &Vec3| (p.distance(centre) - radius).abs() < 1e-5;
         assert!(sphere.positions.iter().all(round));
+        assert!(sphere.is_closed());
     }
 }

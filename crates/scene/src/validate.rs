@@ -1,7 +1,10 @@
 //! Validation of scenes: errors and warnings.
 
 use crate::reflectance::{IOR_MAX, Reflectance};
-use crate::{Camera, Environment, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
+use crate::{
+    Camera, Coverage, Detail, Environment, Group, Light, LightKind, Material, Mesh, NormalMap,
+    Object, Rgb, Scene,
+};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -158,10 +161,10 @@ impl Scene {
             )
         });
         told.into_iter().for_each(|told| warnings.push(told));
-        for shape in &mut self.left_out {
+        for shape in &mut self.ungrouped {
             drop_zero_area(&mut shape.mesh);
         }
-        if self.triangle_count() == 0 {
+        if self.bounds().is_none() {
             return Err(SceneError::NoGeometry);
         }
         Ok(warnings)
@@ -194,11 +197,15 @@ impl Scene {
             check_counts(&object.name, &object.mesh)?;
             check_indices(&object.name, &object.mesh)?;
             check_finite(&object.name, &object.mesh)?;
+            check_detail(object)?;
         }
-        for shape in &self.left_out {
+        for shape in &self.ungrouped {
             check_counts(&shape.material, &shape.mesh)?;
             check_indices(&shape.material, &shape.mesh)?;
             check_finite(&shape.material, &shape.mesh)?;
+            let is_glass = shape.glass.is_none_or(|glass| glass.is_valid());
+            let owner = || format!("material \"{}\"", shape.material);
+            check_numbers(owner, &[("its glass", is_glass)])?;
         }
         self.groups.iter().try_for_each(check_material)?;
         self.lights.iter().try_for_each(check_light)?;
@@ -312,6 +319,24 @@ fn check_camera(camera: &Camera) -> Result<(), SceneError> {
         ("its lens", camera.lens.is_valid()),
     ];
     check_numbers(|| format!("camera \"{}\"", camera.name), &quantities)
+}
+
+/// The maps of a mesh have texels that are numbers.
+fn check_detail(object: &Object) -> Result<(), SceneError> {
+    let Detail { normals, coverage } = &object.mesh.detail;
+    let are_normals = |map: &NormalMap| {
+        let normals = map.normals.image.pixels();
+        !normals.is_empty() && normals.iter().all(|normal| normal.is_finite())
+    };
+    let is_coverage = |map: &Coverage| {
+        let alphas = map.alpha.image.pixels();
+        !alphas.is_empty() && alphas.iter().all(|alpha| alpha.is_finite())
+    };
+    let quantities = [
+        ("its normal map", normals.as_deref().is_none_or(are_normals)),
+        ("its coverage", coverage.as_deref().is_none_or(is_coverage)),
+    ];
+    check_numbers(|| format!("object \"{}\"", object.name), &quantities)
 }
 
 fn check_indices(object: &str, mesh: &Mesh) -> Result<(), SceneError> {

@@ -1,15 +1,15 @@
-//! Which pixels of a photograph show shapes that let light through: the scene has them, but they are not rendered, so
-//! that what is seen through them or mirrored in them is not what the recovery expects.
+//! Which pixels of a photograph show shapes that belong to no group: glass, through which the recovery does not look, and
+//! what the project ignores.
 
 use crate::Job;
 use unrender_render::{GeometryBuffers, Tracer};
-use unrender_scene::{Camera, Group, Image, Material, Object, Rgb, Scene};
+use unrender_scene::{Camera, Group, Image, Material, Object, Rgb, Scene, Ungrouped};
 
 /// How far beyond their outlines pixels are left out, pixels: those mix both sides. Without it, the rims of glasses
 /// count; twice as much leaves out thin things beside them.
 const RIM: usize = 1;
 
-/// The shapes of a scene that let light through.
+/// The shapes of a scene that belong to no group.
 struct ClearShapes {
     tracer: Tracer,
 }
@@ -17,19 +17,19 @@ struct ClearShapes {
 impl ClearShapes {
     /// Those of `scene`; none if it has no such shapes.
     fn of(scene: &Scene) -> Option<Self> {
-        let names = scene.materials_left_out();
+        let names = scene.ungrouped_materials();
         let group = |name: &&str| {
             let (name, material) = ((*name).to_owned(), Material::diffuse(Rgb::ZERO));
             Group { name, material, emission: Rgb::ZERO }
         };
-        let object = |shape: &unrender_scene::LeftOut| Object {
+        let object = |shape: &Ungrouped| Object {
             name: shape.material.clone(),
             group: names.iter().position(|name| *name == shape.material).unwrap_or(0),
             mesh: shape.mesh.clone(),
         };
         let alone = Scene {
             groups: names.iter().map(group).collect(),
-            objects: scene.left_out.iter().map(object).collect(),
+            objects: scene.ungrouped.iter().map(object).collect(),
             ..Scene::default()
         };
         // Without triangles there is nothing to trace.
@@ -37,7 +37,7 @@ impl ClearShapes {
         Some(Self { tracer: tracer.flatten()? })
     }
 
-    /// For each pixel of `geometry`, as `camera` sees it, the material of the clear shape before it.
+    /// For each pixel of `geometry`, as `camera` sees it, the material of such a shape before it.
     fn seen(&self, camera: &Camera, geometry: &GeometryBuffers) -> Image<Option<u32>> {
         let clear = self.tracer.geometry(camera, geometry.width(), geometry.height());
         let pairs = clear.pixels().iter().zip(geometry.pixels());
@@ -53,8 +53,8 @@ impl ClearShapes {
     }
 }
 
-/// For each pixel of `geometry`, as `camera` sees it, whether a shape that lets light through is before it; none if the
-/// scene has no such shapes.
+/// For each pixel of `geometry`, as `camera` sees it, whether such a shape is before it; none if the scene has no such
+/// shapes.
 pub(crate) fn covered(
     scene: &Scene,
     camera: &Camera,
@@ -64,10 +64,24 @@ pub(crate) fn covered(
     Some(seen.pixels().iter().map(Option::is_some).collect())
 }
 
-/// The sentence about the pixels of a photograph that such shapes cover; none if it shows none of them.
+/// For each pixel of `geometry`, as `camera` sees it, the name of the material of such a shape before it; none if the scene
+/// has no such shapes.
+pub(crate) fn materials<'s>(
+    scene: &'s Scene,
+    camera: &Camera,
+    geometry: &GeometryBuffers,
+) -> Option<Vec<Option<&'s str>>> {
+    let seen = ClearShapes::of(scene)?.seen(camera, geometry);
+    let names = scene.ungrouped_materials();
+    Some(seen.pixels().iter().map(|seen| seen.map(|index| names[index as usize])).collect())
+}
+
+/// The sentence about the pixels of a photograph that glass covers; none if it shows none.
 pub(crate) fn told(job: &Job, camera: &Camera, geometry: &GeometryBuffers) -> Option<String> {
-    let seen = ClearShapes::of(&job.scene)?.seen(camera, geometry);
-    let names = job.scene.materials_left_out();
+    let glass = job.scene.ungrouped.iter().filter(|shape| shape.glass.is_some());
+    let scene = Scene { ungrouped: glass.cloned().collect(), ..Scene::default() };
+    let seen = ClearShapes::of(&scene)?.seen(camera, geometry);
+    let names = scene.ungrouped_materials();
     let shown = |material: usize| seen.pixels().contains(&u32::try_from(material).ok());
     let shown: Vec<String> = (0..names.len())
         .filter(|material| shown(*material))
@@ -90,7 +104,7 @@ pub(crate) fn told(job: &Job, camera: &Camera, geometry: &GeometryBuffers) -> Op
 mod tests {
     use super::*;
     use glam::Vec3;
-    use unrender_scene::{LeftOut, Mesh};
+    use unrender_scene::Mesh;
 
     fn ball(z: f32, radius: f32) -> Mesh {
         Mesh::sphere(Vec3::new(0.0, 0.0, z), radius)
@@ -106,7 +120,11 @@ mod tests {
         Scene {
             groups: vec![wall],
             objects: vec![Object { name: "wall".into(), group: 0, mesh: ball(-10.0, 4.0) }],
-            left_out: vec![LeftOut { material: "glass".into(), mesh: ball(-at, 0.5) }],
+            ungrouped: vec![Ungrouped {
+                material: "glass".into(),
+                mesh: ball(-at, 0.5),
+                glass: None,
+            }],
             ..Scene::default()
         }
     }
@@ -124,6 +142,6 @@ mod tests {
         let count = before.iter().filter(|is_covered| **is_covered).count();
         assert!((110..190).contains(&count), "{count}");
         assert!(covered(&scene(30.0)).unwrap().iter().all(|is_covered| !is_covered));
-        assert_eq!(covered(&Scene { left_out: Vec::new(), ..scene(3.0) }), None);
+        assert_eq!(covered(&Scene { ungrouped: Vec::new(), ..scene(3.0) }), None);
     }
 }

@@ -11,7 +11,7 @@ use unrender_formats::picture::{self, Orientation, Picture};
 use unrender_formats::{FileError, Input};
 use unrender_photo::{Photo, Transfer, clipping, develop};
 use unrender_render::{GeometryBuffers, PixelGeometry};
-use unrender_scene::{Camera, Image, Rgb, Scene, Warnings};
+use unrender_scene::{Camera, Image, Object, Rgb, Scene, Ungrouped, Warnings};
 
 /// Two aspects (width over height) are equal up to this share.
 const ASPECT_TOLERANCE: f32 = 0.01;
@@ -89,6 +89,7 @@ impl Job {
         warnings.extend(project.settle_scale(&scene)?);
         settle_brdf(&project, &mut scene)?;
         warnings.extend(validate(&mut scene, &project.scene)?);
+        set_ignored_apart(&project, &mut scene);
         let own_groups = same_as::merge(&project, &mut scene);
         let first = taken(&mut project, &scene, (picture, given.mask), is_file, &mut warnings)?;
         if matches!(project.environment, Some(EnvironmentChoice::Unknown { .. })) {
@@ -117,7 +118,7 @@ impl Job {
     }
 
     /// For every pixel of `geometry`, as seen by the `camera` of `photograph`, whether the project includes it: it is
-    /// not masked, its group is not ignored, and no shape that lets light through is before it.
+    /// not masked, its group is not ignored, and no glass or ignored shape is before it.
     pub(crate) fn counts(
         &self,
         photograph: usize,
@@ -137,6 +138,25 @@ impl Job {
         };
         pixels.map(counts).collect()
     }
+}
+
+/// Takes the objects of ignored groups of which nothing is known out of the light: they belong to no group. Lamps stay,
+/// and what is stated of a group beside `ignore` is what its objects are.
+fn set_ignored_apart(project: &Project, scene: &mut Scene) {
+    let groups = &scene.groups;
+    let is_apart = |object: &Object| {
+        let group = &groups[object.group];
+        let name = &group.name;
+        project.ignored.contains(name) && !project.known.contains_key(name) && !group.is_emitter()
+    };
+    let (apart, kept): (Vec<_>, Vec<_>) =
+        std::mem::take(&mut scene.objects).into_iter().partition(is_apart);
+    scene.objects = kept;
+    let shape = |object: Object| {
+        let material = scene.groups[object.group].name.clone();
+        Ungrouped { material, mesh: object.mesh, glass: None }
+    };
+    scene.ungrouped.extend(apart.into_iter().map(shape).collect::<Vec<_>>());
 }
 
 /// Gives the scene the BRDF model of the project, if that states one, and known groups their materials.

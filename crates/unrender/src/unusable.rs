@@ -7,7 +7,7 @@ use unrender_render::{NOTHING, Tracer};
 const REASONS: [(&str, &str); 6] = [
     ("belong to groups that the project ignores", "take `ignore` away from one of them"),
     ("are masked", "check the mask: black leaves a pixel out, white keeps it"),
-    ("lie behind shapes that let light through", "leave these out of the scene"),
+    ("lie behind glass", "leave it out of the scene"),
     ("are clipped, or beside such a pixel", "take a photo with a shorter exposure"),
     ("lie in the noise near black, or have no measurement", "take a photo with a longer exposure"),
     ("are too close to an edge of the model, or outliers", "use a larger photo"),
@@ -45,17 +45,20 @@ pub(crate) fn why(job: &Job) -> Option<String> {
 fn reasons(job: &Job, tracer: &Tracer) -> Vec<usize> {
     let photo = &job.photo;
     let geometry = tracer.geometry(&job.camera, photo.radiance.width(), photo.radiance.height());
-    let clear = clear_shapes::covered(&job.scene, &job.camera, &geometry);
-    let is_ignored =
-        |group: u32| job.project.ignored.contains(&job.scene.groups[group as usize].name);
+    let apart = clear_shapes::materials(&job.scene, &job.camera, &geometry);
+    let apart = |index: usize| apart.as_ref().and_then(|apart| apart[index]);
+    let is_ignored = |index: usize, group: u32| {
+        let name = apart(index).unwrap_or(&job.scene.groups[group as usize].name);
+        job.project.ignored.contains(name)
+    };
     let is_clipped = |index: usize| {
         let saturated = photo.saturated.pixels();
         saturated[index] || photo.saturated.neighbourhood(index).any(|near| saturated[near])
     };
     let reason = |index: usize, group: u32| match index {
-        _ if is_ignored(group) => 0,
+        _ if is_ignored(index, group) => 0,
         _ if job.mask.as_ref().is_some_and(|mask| !mask.pixels()[index]) => 1,
-        _ if clear.as_ref().is_some_and(|clear| clear[index]) => 2,
+        _ if apart(index).is_some() => 2,
         _ if photo.valid.pixels()[index] => 5,
         _ if is_clipped(index) => 3,
         _ => 4,

@@ -5,10 +5,17 @@
 //! microfacets, which reflects alike at all angles; Principled's own specular part grows towards
 //! grazing angles. An anisotropy `a` has `alpha_x = alpha (1 - a)` along the tangent and `alpha_y =
 //! alpha/(1 - a)`. [Blender manual, Principled BSDF and Glossy BSDF]
+//!
+//! Solid glass is a Principled BSDF that transmits all, whose colour is that of both faces together, and a Volume
+//! Absorption; a pane is a mix of a Transparent BSDF and a mirror by what both its faces reflect.
+
+mod detail;
 
 use super::environment::{self, Around};
-use super::identifiers::identifiers;
+use super::identifiers::Ids;
 use super::{Files, SceneView, far, ply, tiling};
+use crate::glasses::Glasses;
+use crate::group_detail;
 use crate::near;
 use crate::numbers::{number, triple};
 use crate::texels;
@@ -27,14 +34,14 @@ const SCRIPT: &str = include_str!("blender/scene.py");
 pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     let (mut files, mut warnings) = (Files::new(), Warnings::default());
     far::warn(shot.scene, "Blender", far::WRITTEN_NEARER, &mut warnings);
-    let ids = identifiers("m_", shot.scene.groups.iter().map(|g| g.name.as_str()));
+    let glasses = Glasses::of(shot.scene);
+    let ids = Ids::of(shot.scene, &glasses);
     let mut groups = Vec::new();
-    for (index, id) in ids.iter().enumerate() {
+    for (index, id) in ids.groups.iter().enumerate() {
         groups.push(group(shot, index, id, &mut files, &mut warnings)?);
     }
-    let ids = identifiers("o_", shot.scene.objects.iter().map(|o| o.name.as_str()));
     let mut objects = Vec::new();
-    for (object, id) in shot.scene.objects.iter().zip(&ids) {
+    for (object, id) in shot.scene.objects.iter().zip(&ids.objects) {
         if !object.mesh.triangles.is_empty() {
             let path = format!("mesh/{id}.ply");
             objects.push(json!({ "name": object.name, "group": object.group, "mesh": path }));
@@ -48,6 +55,11 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
                 )),
             ));
         }
+    }
+    for (shape, id) in glasses.shapes.iter().zip(&ids.shapes) {
+        let path = format!("mesh/{id}.ply");
+        objects.push(json!({ "name": shape.name, "glass": shape.kind, "mesh": path }));
+        files.push((path, ply::bytes(shape.mesh)));
     }
     if shot.camera.lens.distorts() {
         warnings.push(format!(
@@ -71,6 +83,7 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
         "size": [shot.size.0, shot.size.1],
         "cameras": cameras,
         "groups": groups,
+        "glasses": glasses.kinds.iter().map(detail::glass).collect::<Vec<_>>(),
         "objects": objects,
         "lights": lights,
         "environment": around,
@@ -100,9 +113,12 @@ fn group(
     warnings: &mut Warnings,
 ) -> Result<Value, String> {
     let (group, material) = (&shot.scene.groups[index], &shot.materials[index]);
+    let copies = tiling::copies(shot, index);
+    let found = group_detail::of_group(shot.scene, index);
+    let (normals, holes) = detail::pictures(&group.name, id, (&found, copies), files, warnings)?;
     let mut picture = Value::Null;
     if let Some(texture) = &material.texture {
-        let tile = tiling::tile(texture);
+        let tile = tiling::tile(texture, copies);
         let path = format!("textures/{id}.exr");
         files.push((path.clone(), texels::exr(&tile.image)?));
         picture = json!({ "file": path, "clamps": tile.clamps });
@@ -128,6 +144,8 @@ fn group(
         "anisotropy": number(inputs.anisotropy),
         "emission": triple(group.emission),
         "texture": picture,
+        "normals": normals,
+        "holes": holes,
     }))
 }
 

@@ -8,13 +8,19 @@
 //! `alpha_y = alpha aspect`, x turned by `specular_rotation` turns from the tangent.
 //! [MaterialX specification 1.39; Autodesk Standard Surface, sections 4 and 5]
 
-use super::identifiers::{identifiers, quoted};
-use super::{Files, SceneView};
+use super::identifiers::{Ids, quoted};
+use super::{Files, SceneView, maps};
+use crate::glasses::Glasses;
+use crate::group_detail;
 use crate::texels;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
-use unrender_scene::{Material, Rgb, Texture, Warnings, Wrap};
+use unrender_scene::{Detail, Glass, Material, Rgb, Warnings, Wrap};
 
 const GLASS_F0: f32 = 0.04;
+
+/// What is left out of glass that is coloured in both ways.
+const TINT_LEFT_OUT: &str = "MaterialX has one transmission colour: of solid glass that absorbs on the way and is tinted at its \
+                             faces, the tint is left out; make transmission_color darker";
 
 /// The files of `shot`.
 ///
@@ -25,36 +31,122 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     let mut text = String::from(
         "<?xml version=\"1.0\"?>\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n",
     );
-    let ids = identifiers("m_", shot.scene.groups.iter().map(|g| g.name.as_str()));
-    for (index, id) in ids.iter().enumerate() {
+    let glasses = Glasses::of(shot.scene);
+    let ids = Ids::of(shot.scene, &glasses);
+    for (index, id) in ids.groups.iter().enumerate() {
         let group = &shot.scene.groups[index];
         let material = &shot.materials[index];
         if let Some(texture) = &material.texture {
             let path = format!("textures/{id}.exr");
-            text.push_str(&image(id, &path, texture));
+            let wraps = [texture.wrap_u, texture.wrap_v];
+            text.push_str(&image((id, "texture", "color3"), &path, wraps, "linear"));
             files.push((path, texels::exr(&texture.image)?));
         }
-        text.push_str(&format!(
-            "  <standard_surface name=\"{id}_surface\" type=\"surfaceshader\" doc=\"{}\">\n{}  \
-             </standard_surface>\n  <surfacematerial name=\"{id}\" type=\"material\">\n    \
-             <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"{id}_surface\"/>\n  \
-             </surfacematerial>\n",
-            escaped(&group.name),
-            inputs(material, group.emission, id)
-        ));
+        let found = group_detail::of_group(shot.scene, index);
+        let more = detail(&found, id, &mut text, &mut files)?;
+        let inputs = inputs(material, group.emission, id) + &more;
+        text.push_str(&surface(id, &group.name, &inputs));
     }
-    let objects = identifiers("o_", shot.scene.objects.iter().map(|o| o.name.as_str()));
+    let mut warnings = Warnings::default();
+    for (kind, id) in glasses.kinds.iter().zip(&ids.kinds) {
+        text.push_str(&surface(id, &kind.name, &glass(kind.glass)));
+        if kind.glass.tint != Rgb::ONE && absorbs(kind.glass) {
+            warnings.push(TINT_LEFT_OUT);
+        }
+    }
     text.push_str("  <look name=\"look\">\n");
-    for (object, id) in shot.scene.objects.iter().zip(&objects) {
-        text.push_str(&format!(
-            "    <materialassign name=\"{id}_wears\" material=\"{}\" geom=\"/{id}\" doc=\"{}\"/>\n",
-            ids[object.group],
-            escaped(&object.name)
-        ));
+    let objects = shot.scene.objects.iter().zip(&ids.objects);
+    for (object, id) in objects {
+        text.push_str(&assigned(id, &ids.groups[object.group], &object.name));
+    }
+    for (shape, id) in glasses.shapes.iter().zip(&ids.shapes) {
+        text.push_str(&assigned(id, &ids.kinds[shape.kind], &shape.name));
     }
     text.push_str("  </look>\n</materialx>\n");
     files.push(("materials.mtlx".into(), text.into_bytes()));
-    Ok((files, Warnings::default()))
+    Ok((files, warnings))
+}
+
+/// The surface and the material called `id`, after `name`.
+fn surface(id: &str, name: &str, inputs: &str) -> String {
+    format!(
+        "  <standard_surface name=\"{id}_surface\" type=\"surfaceshader\" doc=\"{}\">\n{inputs}  \
+         </standard_surface>\n  <surfacematerial name=\"{id}\" type=\"material\">\n    \
+         <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"{id}_surface\"/>\n  \
+         </surfacematerial>\n",
+        escaped(name)
+    )
+}
+
+/// That the object called `id`, after `name`, has `material`.
+fn assigned(id: &str, material: &str, name: &str) -> String {
+    format!(
+        "    <materialassign name=\"{id}_wears\" material=\"{material}\" geom=\"/{id}\" doc=\"{}\"/>\n",
+        escaped(name)
+    )
+}
+
+/// The inputs that say what of `detail` there is; their nodes are added to `text`.
+fn detail(
+    detail: &Detail,
+    id: &str,
+    text: &mut String,
+    files: &mut Files,
+) -> Result<String, String> {
+    let mut inputs = String::new();
+    if let Some(map) = &detail.normals {
+        let picture = maps::colors(map, false);
+        let path = format!("textures/{id}-normals.exr");
+        let wraps = [picture.wrap_u, picture.wrap_v];
+        text.push_str(&image((id, "bumps", "vector3"), &path, wraps, "linear"));
+        text.push_str(&format!(
+            "  <normalmap name=\"{id}_normal\" type=\"vector3\">\n    \
+             <input name=\"in\" type=\"vector3\" nodename=\"{id}_bumps\"/>\n  </normalmap>\n"
+        ));
+        inputs.push_str(&format!(
+            "    <input name=\"normal\" type=\"vector3\" nodename=\"{id}_normal\"/>\n"
+        ));
+        files.push((path, texels::exr(&picture.image)?));
+    }
+    if let Some(coverage) = &detail.coverage {
+        let stencil = maps::stencil(coverage);
+        let path = format!("textures/{id}-holes.png");
+        let wraps = [stencil.wrap_u, stencil.wrap_v];
+        text.push_str(&image((id, "holes", "color3"), &path, wraps, "closest"));
+        inputs.push_str(&format!(
+            "    <input name=\"opacity\" type=\"color3\" nodename=\"{id}_holes\"/>\n"
+        ));
+        files.push((path, texels::png_of_numbers(&stencil.image)?));
+    }
+    Ok(inputs)
+}
+
+/// Whether solid glass takes something from light on its way.
+fn absorbs(glass: &Glass) -> bool {
+    !glass.is_thin && glass.absorption.max_element() > 0.0
+}
+
+/// The inputs of glass. Its transmission colour is that of a face; or, with a depth, what is left of light after that
+/// way, here that on which the strongest channel falls to 1/e.
+fn glass(glass: &Glass) -> String {
+    let strongest = glass.absorption.max_element();
+    let (color, depth) = if absorbs(glass) {
+        ((-glass.absorption / strongest).exp(), 1.0 / strongest)
+    } else {
+        (glass.tint, 0.0)
+    };
+    let mut text = float("base", 0.0);
+    text.push_str(&float("specular", 1.0));
+    text.push_str(&float("specular_IOR", glass.ior));
+    text.push_str(&float("specular_roughness", 0.0));
+    text.push_str(&float("transmission", 1.0));
+    text.push_str(&color3("transmission_color", color));
+    text.push_str(&float("transmission_depth", depth));
+    let thin = glass.is_thin;
+    text.push_str(&format!(
+        "    <input name=\"thin_walled\" type=\"boolean\" value=\"{thin}\"/>\n"
+    ));
+    text
 }
 
 fn inputs(material: &Material, emission: Rgb, id: &str) -> String {
@@ -90,19 +182,26 @@ fn inputs(material: &Material, emission: Rgb, id: &str) -> String {
     text
 }
 
-fn image(id: &str, path: &str, texture: &Texture) -> String {
+/// The node `id`_`what` of the type `kind`: the picture at `path`.
+fn image(
+    (id, what, kind): (&str, &str, &str),
+    path: &str,
+    wraps: [Wrap; 2],
+    filter: &str,
+) -> String {
     let mode = |wrap: Wrap| match wrap {
         Wrap::Repeat => "periodic",
         Wrap::MirroredRepeat => "mirror",
         Wrap::ClampToEdge => "clamp",
     };
     format!(
-        "  <image name=\"{id}_texture\" type=\"color3\">\n    \
+        "  <image name=\"{id}_{what}\" type=\"{kind}\">\n    \
          <input name=\"file\" type=\"filename\" value=\"{path}\" colorspace=\"lin_rec709\"/>\n    \
          <input name=\"uaddressmode\" type=\"string\" value=\"{}\"/>\n    \
-         <input name=\"vaddressmode\" type=\"string\" value=\"{}\"/>\n  </image>\n",
-        mode(texture.wrap_u),
-        mode(texture.wrap_v)
+         <input name=\"vaddressmode\" type=\"string\" value=\"{}\"/>\n    \
+         <input name=\"filtertype\" type=\"string\" value=\"{filter}\"/>\n  </image>\n",
+        mode(wraps[0]),
+        mode(wraps[1])
     )
 }
 

@@ -5,12 +5,15 @@
 //! `specular_reflectance` scales: in a blend of weight `b` the parts are `rho_d/(1-b)` and `rho_s/b`.
 //! [Jakob et al., Mitsuba 3 documentation, plugin reference]
 
+mod detail;
+mod glass;
 mod lights;
 mod materials;
 mod sensor;
 
-use super::identifiers::{identifiers, quoted};
-use super::{Files, SceneView, far, ply, tiling};
+use super::identifiers::{Ids, quoted};
+use super::{Files, SceneView, far, maps, ply, tiling};
+use crate::glasses::Glasses;
 use crate::numbers::triple_at;
 use glam::{Affine3A, DVec3, Mat4, Vec3};
 use std::fmt::Write;
@@ -33,14 +36,17 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     );
     far::warn(shot.scene, "Mitsuba", far::WRITTEN_THERE, &mut warnings);
     xml.push_str(&sensor::text(shot, &mut warnings));
-    let groups = identifiers("m_", shot.scene.groups.iter().map(|g| g.name.as_str()));
-    for (index, id) in groups.iter().enumerate() {
-        let (text, picture) = materials::bsdf(shot, index, id, &mut warnings)?;
+    let glasses = Glasses::of(shot.scene);
+    let ids = Ids::of(shot.scene, &glasses);
+    for (index, id) in ids.groups.iter().enumerate() {
+        let (text, pictures) = materials::bsdf(shot, index, id, &mut warnings)?;
         xml.push_str(&text);
-        files.extend(picture);
+        files.extend(pictures);
     }
-    let objects = identifiers("o_", shot.scene.objects.iter().map(|o| o.name.as_str()));
-    for (object, id) in shot.scene.objects.iter().zip(&objects) {
+    xml.push_str(&glass::bsdfs(&glasses, &ids.kinds, &mut warnings));
+    let named = shot.scene.objects.iter().map(|object| (object.name.as_str(), &object.mesh));
+    maps::warn_of_halves(named, "Mitsuba", &mut warnings);
+    for (object, id) in shot.scene.objects.iter().zip(&ids.objects) {
         if !object.mesh.triangles.is_empty() {
             let path = format!("mesh/{id}.ply");
             files.push((
@@ -52,8 +58,16 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
                     tiling::From::Top,
                 )),
             ));
-            xml.push_str(&shape(shot, object, &path, &groups[object.group]));
+            let suffix = maps::suffix(maps::is_mirrored(&object.mesh));
+            let material = format!("{}{suffix}", ids.groups[object.group]);
+            xml.push_str(&object_text(shot, object, &path, &material));
         }
+    }
+    for (shape, id) in glasses.shapes.iter().zip(&ids.shapes) {
+        let path = format!("mesh/{id}.ply");
+        files.push((path.clone(), ply::bytes(shape.mesh)));
+        let material = &ids.kinds[shape.kind];
+        xml.push_str(&shape_text(&shape.name, &path, material, shot.scene.origin, ""));
     }
     let (text, pictures) = lights::text(shot)?;
     xml.push_str(&text);
@@ -63,15 +77,23 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     Ok((files, warnings))
 }
 
-fn shape(shot: &SceneView, object: &Object, path: &str, material: &str) -> String {
+fn object_text(shot: &SceneView, object: &Object, path: &str, material: &str) -> String {
     let group = &shot.scene.groups[object.group];
+    let mut emitter = String::new();
+    if group.is_emitter() {
+        let radiance = rgb("radiance", group.emission);
+        emitter = format!("        <emitter type=\"area\">{radiance}</emitter>\n");
+    }
+    shape_text(&object.name, path, material, shot.scene.origin, &emitter)
+}
+
+fn shape_text(name: &str, path: &str, material: &str, origin: DVec3, inside: &str) -> String {
     let mut text = format!(
         "    {}\n    <shape type=\"ply\">\n\
          \x20       <string name=\"filename\" value=\"{path}\"/>\n\
          \x20       <ref id=\"{material}\"/>\n",
-        comment("object", &object.name)
+        comment("object", name)
     );
-    let origin = shot.scene.origin;
     if origin != DVec3::ZERO {
         let [x, y, z] = origin.to_array();
         let _ = writeln!(
@@ -79,13 +101,7 @@ fn shape(shot: &SceneView, object: &Object, path: &str, material: &str) -> Strin
             "        <transform name=\"to_world\"><translate x=\"{x}\" y=\"{y}\" z=\"{z}\"/></transform>"
         );
     }
-    if group.is_emitter() {
-        let _ = writeln!(
-            text,
-            "        <emitter type=\"area\">{}</emitter>",
-            rgb("radiance", group.emission)
-        );
-    }
+    text.push_str(inside);
     text.push_str("    </shape>\n");
     text
 }

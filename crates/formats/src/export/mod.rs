@@ -11,6 +11,7 @@ mod environment;
 mod far;
 mod folder;
 mod identifiers;
+mod maps;
 mod materialx;
 mod mitsuba;
 mod obj;
@@ -21,7 +22,7 @@ mod tiling;
 
 pub use blender::BlenderInputs;
 
-use crate::{FileError, LightUnits, atomic, gltf};
+use crate::{FileError, LightUnits, atomic, gltf, group_detail};
 use std::fmt;
 use std::path::Path;
 use std::str::FromStr;
@@ -163,10 +164,32 @@ pub fn export(shot: &SceneView, target: Target) -> Result<(Files, Warnings), Str
         Target::Pbrt => pbrt::export(shot),
         Target::Radiance => radiance::export(shot),
     }?;
+    note_detail(shot.scene, &mut warnings);
     if !target.has_environments() {
         warnings.0.extend(environment::left_out(shot.scene, target));
     }
     Ok((files, warnings))
+}
+
+/// What of normal maps and holes no format can express as it is.
+fn note_detail(scene: &Scene, warnings: &mut Warnings) {
+    for name in group_detail::mixed(scene) {
+        warnings.push(format!(
+            "group \"{name}\": its objects differ in normal maps or holes, and all were given the same; give each kind a \
+             material of its own"
+        ));
+    }
+    let unplaced = group_detail::unplaced(scene);
+    if let Some(first) = unplaced.first() {
+        let more = match unplaced.len() - 1 {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        warnings.push(format!(
+            "object \"{first}\"{more}: without texture coordinates for the holes of its material it may get some of them \
+             anywhere; unwrap it, or give it a material of its own"
+        ));
+    }
 }
 
 /// One file, with the camera in place of the scene's.

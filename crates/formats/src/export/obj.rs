@@ -4,13 +4,17 @@ use super::identifiers::quoted;
 use crate::numbers::triple_at;
 use glam::DVec3;
 use std::fmt::Write;
-use unrender_scene::Object;
+use unrender_scene::Mesh;
 
-/// The text of `object`, whose positions count from `origin`; `material` names the material of each of its
-/// triangles.
-pub(super) fn text(object: &Object, origin: DVec3, material: impl Fn(usize) -> String) -> String {
-    let mesh = &object.mesh;
-    let mut text = format!("# object {}\n", quoted(&object.name));
+/// The text of the object called `name`, whose `mesh` counts from `origin`; `material` names the material of each of
+/// its triangles.
+pub(super) fn text(
+    name: &str,
+    mesh: &Mesh,
+    origin: DVec3,
+    material: impl Fn(usize) -> String,
+) -> String {
+    let mut text = format!("# object {}\n", quoted(name));
     for p in &mesh.positions {
         let [x, y, z] = triple_at(origin, *p);
         let _ = writeln!(text, "v {x} {y} {z}");

@@ -6,11 +6,15 @@
 //! The picture plane is given by `screenwindow` at a field of view of 90 degrees, where its units are
 //! tangents. [Pharr, Jakob, Humphreys: pbrt-v4 input file format]
 
+mod detail;
+mod glass;
 mod square;
 
 use super::environment::{self, Around};
-use super::identifiers::{identifiers, quoted};
-use super::{Files, SceneView, far, ply, tiling};
+use super::identifiers::{Ids, identifiers, quoted};
+use super::{Files, SceneView, far, maps, ply, tiling};
+use crate::glasses::Glasses;
+use crate::group_detail;
 use crate::texels;
 use glam::{Mat4, Vec3, Vec4};
 use std::fmt::Write;
@@ -29,10 +33,12 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     far::warn(shot.scene, "PBRT", far::WRITTEN_NEARER, &mut warnings);
     text.push_str(&camera(shot, &mut warnings));
     text.push_str("\nWorldBegin\n");
-    let groups = identifiers("m_", shot.scene.groups.iter().map(|g| g.name.as_str()));
-    for (index, id) in groups.iter().enumerate() {
+    let glasses = Glasses::of(shot.scene);
+    let ids = Ids::of(shot.scene, &glasses);
+    for (index, id) in ids.groups.iter().enumerate() {
         text.push_str(&material(shot, index, id, &mut files, &mut warnings)?);
     }
+    text.push_str(&glass::materials(&glasses, &ids.kinds, &mut warnings));
     let lights = identifiers("l_", shot.scene.lights.iter().map(|l| l.name.as_str()));
     for (light, id) in shot.scene.lights.iter().zip(&lights) {
         let _ = writeln!(text, "\n# light {}\n{}", quoted(&light.name), light_source(&light.kind));
@@ -43,11 +49,12 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
         }
     }
     text.push_str(&infinite(shot, &mut files)?);
-    let objects = identifiers("o_", shot.scene.objects.iter().map(|o| o.name.as_str()));
-    for (object, id) in shot.scene.objects.iter().zip(&objects) {
+    let named = shot.scene.objects.iter().map(|object| (object.name.as_str(), &object.mesh));
+    maps::warn_of_halves(named, "PBRT", &mut warnings);
+    for (object, id) in shot.scene.objects.iter().zip(&ids.objects) {
         if !object.mesh.triangles.is_empty() {
             let path = format!("mesh/{id}.ply");
-            text.push_str(&shape(shot, object, &path, &groups[object.group]));
+            text.push_str(&object_text(shot, object, &path, &ids.groups[object.group]));
             files.push((
                 path,
                 ply::bytes(&tiling::mesh(
@@ -58,6 +65,11 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
                 )),
             ));
         }
+    }
+    for (one, id) in glasses.shapes.iter().zip(&ids.shapes) {
+        let path = format!("mesh/{id}.ply");
+        text.push_str(&shape(&one.name, &path, &ids.kinds[one.kind], ["", ""]));
+        files.push((path, ply::bytes(one.mesh)));
     }
     files.push(("scene.pbrt".into(), text.into_bytes()));
     Ok((files, warnings))
@@ -110,14 +122,14 @@ fn material(
     let mut text = format!("\n# group {}\n", quoted(name));
     let mut diffuse = rgb("reflectance", material.rho_d / (1.0 - amount).max(1e-6));
     if let Some(texture) = &material.texture {
-        let tile = tiling::tile(texture);
+        let tile = tiling::tile(texture, tiling::copies(shot, index));
         let path = format!("textures/{id}.exr");
         files.push((path.clone(), texels::exr(&tile.image.map(|t| *t / (1.0 - amount)))?));
-        let wrap = if tile.clamps { "clamp" } else { "repeat" };
         let _ = writeln!(
             text,
             "Texture \"{id}_texture\" \"spectrum\" \"imagemap\" \"string filename\" \"{path}\" \
-             \"string wrap\" \"{wrap}\""
+             \"string wrap\" \"{}\"",
+            tile.mode()
         );
         diffuse = format!("\"texture reflectance\" \"{id}_texture\"");
         warnings.0.extend(tile.doubt.map(|doubt| format!("group \"{name}\": {doubt}")));
@@ -128,19 +140,32 @@ fn material(
         material.alpha_x,
         material.alpha_y
     );
+    text.push_str(&detail::holes(shot, index, id, files, warnings)?);
+    for (id, map) in detail::normals(shot, index, id, files, warnings)? {
+        named_material(
+            &mut text,
+            &id,
+            amount,
+            [&(diffuse.clone() + &map), &(metal.clone() + &map)],
+        );
+    }
+    Ok(text)
+}
+
+/// The material called `id`, whose lobe has the share `amount` of a mix.
+fn named_material(text: &mut String, id: &str, amount: f32, [diffuse, metal]: [&str; 2]) {
     match amount {
-        0.0 => named(&mut text, id, "diffuse", &diffuse),
-        1.0 => named(&mut text, id, "conductor", &metal),
+        0.0 => named(text, id, "diffuse", diffuse),
+        1.0 => named(text, id, "conductor", metal),
         _ => {
-            named(&mut text, &format!("{id}_diffuse"), "diffuse", &diffuse);
-            named(&mut text, &format!("{id}_shine"), "conductor", &metal);
+            named(text, &format!("{id}_diffuse"), "diffuse", diffuse);
+            named(text, &format!("{id}_shine"), "conductor", metal);
             let parts = format!(
                 "\"string materials\" [ \"{id}_diffuse\" \"{id}_shine\" ] \"float amount\" {amount}"
             );
-            named(&mut text, id, "mix", &parts);
+            named(text, id, "mix", &parts);
         }
     }
-    Ok(text)
 }
 
 fn named(text: &mut String, id: &str, kind: &str, parameters: &str) {
@@ -182,15 +207,25 @@ fn infinite(shot: &SceneView, files: &mut Files) -> Result<String, String> {
     Ok(format!("\n# environment\nLightSource \"infinite\" {radiance}\n"))
 }
 
-fn shape(shot: &SceneView, object: &Object, path: &str, material: &str) -> String {
+fn object_text(shot: &SceneView, object: &Object, path: &str, id: &str) -> String {
     let group = &shot.scene.groups[object.group];
-    let mut text = format!("\n# object {}\nAttributeBegin\n", quoted(&object.name));
-    let _ = writeln!(text, "    NamedMaterial \"{material}\"");
+    let mut lamp = String::new();
     if group.is_emitter() {
-        let _ = writeln!(text, "    AreaLightSource \"diffuse\" {}", rgb("L", group.emission));
+        lamp = format!("    AreaLightSource \"diffuse\" {}\n", rgb("L", group.emission));
     }
-    let _ = writeln!(text, "    Shape \"plymesh\" \"string filename\" \"{path}\"\nAttributeEnd");
-    text
+    let has_holes = group_detail::of_group(shot.scene, object.group).coverage.is_some();
+    let has_holes = has_holes && !object.mesh.uvs.is_empty();
+    let holes = if has_holes { detail::parameter(id) } else { String::new() };
+    let material = format!("{id}{}", maps::suffix(maps::is_mirrored(&object.mesh)));
+    shape(&object.name, path, &material, [&lamp, &holes])
+}
+
+fn shape(name: &str, path: &str, material: &str, [lamp, parameters]: [&str; 2]) -> String {
+    format!(
+        "\n# object {}\nAttributeBegin\n    NamedMaterial \"{material}\"\n{lamp}    \
+         Shape \"plymesh\" \"string filename\" \"{path}\"{parameters}\nAttributeEnd\n",
+        quoted(name)
+    )
 }
 
 fn rgb(name: &str, v: Vec3) -> String {

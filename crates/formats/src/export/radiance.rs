@@ -11,12 +11,17 @@
 
 mod around;
 mod balls;
+mod glass;
+mod holes;
 mod lights;
 mod materials;
+mod pictures;
 mod view;
 
-use super::identifiers::{identifiers, quoted};
+use super::identifiers::{Ids, quoted};
 use super::{Files, SceneView, anisotropy, obj};
+use crate::glasses::{Glasses, Shape};
+use crate::group_detail;
 use crate::numbers::triple_at;
 use glam::{DVec3, Vec3};
 use std::fmt::Write;
@@ -33,10 +38,11 @@ const BACK: &str = ".back";
 /// If a texture cannot be encoded.
 pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     let mut warnings = Warnings::default();
-    let objects = identifiers("o_", shot.scene.objects.iter().map(|o| o.name.as_str()));
-    let materials = materials::Materials::new(shot);
+    let glasses = Glasses::of(shot.scene);
+    let ids = Ids::of(shot.scene, &glasses);
+    let materials = materials::Materials::new(shot, ids.groups);
     let (mut surfaces, mut files, mut meshes) = (String::new(), Files::new(), Vec::new());
-    for (object, id) in shot.scene.objects.iter().zip(&objects) {
+    for (object, id) in shot.scene.objects.iter().zip(&ids.objects) {
         if object.mesh.triangles.is_empty() {
             continue;
         }
@@ -48,13 +54,23 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
             let _ = writeln!(surfaces, "{material} sphere {id}\n0\n0\n4 {centre} {radius}");
         } else if needs_mesh(shot, object) {
             let material = |index: usize| materials.of_triangle(object, index);
-            let text = obj::text(object, shot.scene.origin, material);
+            let text = obj::text(&object.name, &object.mesh, shot.scene.origin, material);
             files.push((format!("mesh/{id}.obj"), text.into_bytes()));
-            let _ = writeln!(surfaces, "\n# object {}", quoted(&object.name));
-            let _ = writeln!(surfaces, "void mesh {id}\n1 ./mesh/{id}.rtm\n0\n0");
+            surfaces.push_str(&mesh(&object.name, id));
             meshes.push(id.as_str());
         } else {
             surfaces.push_str(&polygons(object, id, &materials, shot.scene.origin));
+        }
+    }
+    for (shape, id) in glasses.shapes.iter().zip(&ids.shapes) {
+        let material = &ids.kinds[shape.kind];
+        if is_smooth(shape.mesh) {
+            let text = obj::text(&shape.name, shape.mesh, shot.scene.origin, |_| material.clone());
+            files.push((format!("mesh/{id}.obj"), text.into_bytes()));
+            surfaces.push_str(&mesh(&shape.name, id));
+            meshes.push(id.as_str());
+        } else {
+            surfaces.push_str(&triangles(shape, id, material, shot.scene.origin));
         }
     }
     materials.note_doubts(&mut warnings);
@@ -63,17 +79,34 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     scene.push_str(&lights::text(shot));
     scene.push_str(&around::text(shot, &mut files)?);
     scene.push_str(&surfaces);
-    files.extend(materials.files()?);
+    files.extend(materials.files(&glass::materials(&glasses, &ids.kinds, &mut warnings))?);
     files.push(("scene.rad".into(), scene.into_bytes()));
     files.push(("view.vf".into(), view::text(shot, &mut warnings).into_bytes()));
     files.push(("render.sh".into(), view::script(shot, &meshes).into_bytes()));
     Ok((files, warnings))
 }
 
-/// Whether `object` has a texture or smooth normals; light sources cannot be meshes.
+/// The mesh that `render.sh` makes for the object called `name`.
+fn mesh(name: &str, id: &str) -> String {
+    format!("\n# object {}\nvoid mesh {id}\n1 ./mesh/{id}.rtm\n0\n0\n", quoted(name))
+}
+
+/// A flat shape of glass, triangle by triangle.
+fn triangles(shape: &Shape, id: &str, material: &str, origin: DVec3) -> String {
+    let mut text = format!("\n# object {}\n", quoted(&shape.name));
+    for index in 0..shape.mesh.triangles.len() {
+        let corners = shape.mesh.corners(index).map(|corner| place(corner, origin));
+        text.push_str(&polygon(material, &format!("{id}.{index}"), corners.iter()));
+    }
+    text
+}
+
+/// Whether `object` has a texture, holes or smooth normals; light sources cannot be meshes.
 fn needs_mesh(shot: &SceneView, object: &Object) -> bool {
     let group = &shot.scene.groups[object.group];
-    !group.is_emitter() && (group.material.texture.is_some() || is_smooth(&object.mesh))
+    let has_holes = group_detail::of_group(shot.scene, object.group).coverage.is_some();
+    let has_pictures = group.material.texture.is_some() || has_holes;
+    !group.is_emitter() && (has_pictures || is_smooth(&object.mesh))
 }
 
 fn is_smooth(mesh: &Mesh) -> bool {

@@ -2,25 +2,43 @@
 //! else several targets ask of materials.
 
 use super::{SceneView, anisotropy};
+use crate::group_detail;
 use glam::Vec2;
-use unrender_scene::{Image, Material, Mesh, Object, Rgb, Texture, Wrap};
+use unrender_scene::{Image, Mapped, Material, Mesh, Object, Rgb, Wrap};
 
 /// A picture that repeats or holds its edge as a texture does.
-pub(super) struct Tile {
+pub(super) struct Tile<T> {
     /// The texels.
-    pub(super) image: Image<Rgb>,
-    /// Texture coordinates of the picture for those of the texture, factor by factor.
-    pub(super) scale: Vec2,
+    pub(super) image: Image<T>,
     /// Whether the edge is held; else the picture is repeated.
     pub(super) clamps: bool,
     /// In what it differs from the texture, if in anything.
     pub(super) doubt: Option<&'static str>,
 }
 
-/// The tile of `texture`: where that repeats mirrored, the tile contains the mirrored copy too.
-pub(super) fn tile(texture: &Texture) -> Tile {
-    let twice = |wrap: Wrap| if wrap == Wrap::MirroredRepeat { 2 } else { 1 };
-    let (across, down) = (twice(texture.wrap_u), twice(texture.wrap_v));
+impl<T> Tile<T> {
+    /// How programs call what they do beyond its edges.
+    pub(super) fn mode(&self) -> &'static str {
+        if self.clamps { "clamp" } else { "repeat" }
+    }
+}
+
+/// Columns and rows of copies in the tiles of group `index`: two where one of its pictures repeats mirrored, whose tile
+/// contains the mirrored copy too; else one.
+pub(super) fn copies(shot: &SceneView, index: usize) -> [usize; 2] {
+    let detail = group_detail::of_group(shot.scene, index);
+    let texture = shot.materials[index].texture.as_ref().map(|t| [t.wrap_u, t.wrap_v]);
+    let normals = detail.normals.as_ref().map(|map| [map.normals.wrap_u, map.normals.wrap_v]);
+    let holes = detail.coverage.as_ref().map(|c| [c.alpha.wrap_u, c.alpha.wrap_v]);
+    [0, 1].map(|side| {
+        let mut wraps = [texture, normals, holes].into_iter().flatten();
+        let is_mirrored = wraps.any(|wraps| wraps[side] == Wrap::MirroredRepeat);
+        if is_mirrored { 2 } else { 1 }
+    })
+}
+
+/// The tile of `texture` in a group of so many [`copies`].
+pub(super) fn tile<T: Copy>(texture: &Mapped<T>, [across, down]: [usize; 2]) -> Tile<T> {
     let source = &texture.image;
     let (width, height) = (source.width(), source.height());
     let image = Image::from_fn(across * width, down * height, |x, y| {
@@ -30,7 +48,6 @@ pub(super) fn tile(texture: &Texture) -> Tile {
     let clamped = [texture.wrap_u, texture.wrap_v].map(|wrap| wrap == Wrap::ClampToEdge);
     Tile {
         image,
-        scale: Vec2::new(1.0 / across as f32, 1.0 / down as f32),
         clamps: clamped == [true; 2],
         doubt: (clamped[0] != clamped[1])
             .then_some("its texture repeats beyond the edges that it should hold"),
@@ -55,18 +72,20 @@ pub(super) enum From {
 /// growing u: where there is no texture, u grows along the angle `theta_rad` of a brushed group.
 pub(super) fn mesh(shot: &SceneView, object: &Object, theta_rad: f32, from: From) -> Mesh {
     let material = &shot.materials[object.group];
-    match &material.texture {
-        Some(texture) => {
-            let scale = tile(texture).scale;
-            let placed = |uv: &Vec2| match from {
-                From::Top => *uv * scale,
-                From::Bottom => Vec2::new(uv.x * scale.x, 1.0 - uv.y * scale.y),
-            };
-            Mesh { uvs: object.mesh.uvs.iter().map(placed).collect(), ..object.mesh.clone() }
-        }
-        None if is_anisotropic(material) => anisotropy::along_u(&object.mesh, theta_rad),
-        None => object.mesh.clone(),
+    let has_pictures =
+        material.texture.is_some() || !group_detail::of_group(shot.scene, object.group).is_none();
+    if !has_pictures && is_anisotropic(material) {
+        return anisotropy::along_u(&object.mesh, theta_rad);
     }
+    if !has_pictures {
+        return object.mesh.clone();
+    }
+    let [across, down] = copies(shot, object.group).map(|copies| copies as f32);
+    let placed = |uv: &Vec2| match from {
+        From::Top => Vec2::new(uv.x / across, uv.y / down),
+        From::Bottom => Vec2::new(uv.x / across, 1.0 - uv.y / down),
+    };
+    Mesh { uvs: object.mesh.uvs.iter().map(placed).collect(), ..object.mesh.clone() }
 }
 
 /// The share of the specular part in a blend that leaves both parts at most one, if any share does.

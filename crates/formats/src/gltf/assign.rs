@@ -4,9 +4,9 @@ use super::Problem;
 use super::glb::Glb;
 use super::names::group_names;
 use super::source::Source;
-use super::ward::{self, object};
+use super::ward::object;
 use super::{lights, material, place};
-use crate::{FileError, Input};
+use crate::{FileError, Input, group_detail};
 use serde_json::{Value, json};
 use unrender_scene::{Camera, Rgb, Scene, Warnings};
 
@@ -39,16 +39,16 @@ fn with_materials(source: &Source, scene: &Scene, added: &[Camera]) -> Result<Ve
     for (index, name) in names.iter().enumerate().take(count) {
         let Some(group) = scene.group_index(name) else { continue };
         let material = &scene.groups[group].material;
-        let texture = material.texture.as_ref();
-        let texture = texture.map(|texture| glb.push_texture(texture)).transpose()?;
-        let json = &mut glb.root["materials"][index];
-        ward::assign_material(json, material, scene.brdf, texture);
+        let coverage = group_detail::of_group(scene, group).coverage;
+        let mut json = glb.root["materials"][index].take();
+        glb.paint(&mut json, (material, material), scene.brdf, coverage.as_deref())?;
         let emission = scene.groups[group].emission;
         // A group without a material in the file emits nothing there.
         let in_file = source.document.materials.get(index);
         if in_file.map_or(Some(Rgb::ZERO), material::emission) != Some(emission) {
-            material::set_emission(json, emission);
+            material::set_emission(&mut json, emission);
         }
+        glb.root["materials"][index] = json;
     }
     lights::assign_lights(&mut glb, source, scene)?;
     for camera in added {

@@ -206,10 +206,11 @@ pub(super) struct Material {
     pub(super) name: Option<String>,
     pub(super) pbr_metallic_roughness: Option<Pbr>,
     pub(super) emissive_texture: Option<IgnoredAny>,
-    pub(super) normal_texture: Option<IgnoredAny>,
+    pub(super) normal_texture: Option<TextureInfo>,
     #[serde(default)]
     pub(super) emissive_factor: [f64; 3],
     pub(super) alpha_mode: Option<String>,
+    pub(super) alpha_cutoff: Option<f64>,
     #[serde(default)]
     pub(super) double_sided: bool,
     #[serde(default)]
@@ -237,6 +238,8 @@ pub(super) struct Pbr {
 #[serde(rename_all = "camelCase")]
 pub(super) struct TextureInfo {
     pub(super) index: usize,
+    /// Of normals.
+    pub(super) scale: Option<f64>,
     #[serde(default)]
     pub(super) tex_coord: usize,
     #[serde(default)]
@@ -281,6 +284,8 @@ pub(super) struct MaterialExtensions {
     pub(super) clearcoat: Option<Clearcoat>,
     #[serde(rename = "KHR_materials_transmission")]
     pub(super) transmission: Option<Transmission>,
+    #[serde(rename = "KHR_materials_volume")]
+    pub(super) volume: Option<Volume>,
     #[serde(flatten)]
     pub(super) unread: Unread,
 }
@@ -331,6 +336,18 @@ pub(super) struct Clearcoat {
     pub(super) clearcoat_factor: f64,
     #[serde(default)]
     pub(super) clearcoat_roughness_factor: f64,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Volume {
+    #[serde(default)]
+    pub(super) thickness_factor: f64,
+    pub(super) attenuation_distance: Option<f64>,
+    #[serde(default = "white")]
+    pub(super) attenuation_color: [f64; 3],
     #[serde(flatten)]
     pub(super) unread: Unread,
 }

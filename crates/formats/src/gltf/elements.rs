@@ -160,10 +160,16 @@ const ELEMENTS: &[Element] = &[
             ),
             read("extensions", "see extensions"),
             told("emissiveTexture", "the surface emits emissiveFactor all over"),
-            told("normalTexture", "the surface is taken as smooth as its mesh"),
+            read(
+                "normalTexture",
+                "tangent-space normals, where it lies on the base colour's coordinates",
+            ),
             told("occlusionTexture", "it is left out"),
-            read("alphaMode", "OPAQUE; others are taken as opaque, with a warning"),
-            passed("alphaCutoff", "the warning of alphaMode covers it"),
+            read(
+                "alphaMode",
+                "MASK: holes where the texture covers less; BLEND: the same, at a half, with a warning",
+            ),
+            read("alphaCutoff", "where holes begin"),
         ],
     ),
     element(
@@ -187,6 +193,7 @@ const ELEMENTS: &[Element] = &[
             read("index", "see textures"),
             read("texCoord", "any set of texture coordinates"),
             read("extensions", "see extensions"),
+            read("scale", "of normals: how far they tilt"),
         ],
     ),
     element(
@@ -353,9 +360,19 @@ const ELEMENTS: &[Element] = &[
         &[
             read(
                 "transmissionFactor",
-                "above zero the shapes of the material are left out, and a recovery masks them",
+                "above zero the shapes of the material are smooth glass, and a recovery masks them",
             ),
-            passed("transmissionTexture", "where there is glass: all of the shape is left out"),
+            passed("transmissionTexture", "where there is glass: all of the shape is"),
+        ],
+    ),
+    element(
+        "materials",
+        "KHR_materials_volume",
+        &[
+            read("thicknessFactor", "above zero glass is solid; else where its shape is closed"),
+            read("attenuationDistance", "what solid glass absorbs"),
+            read("attenuationColor", "what solid glass absorbs"),
+            passed("thicknessTexture", "the shape itself says how thick it is"),
         ],
     ),
 ];
@@ -381,7 +398,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// The structures of `document.rs`, each with the element that it is.
-    const STRUCTURES: [(&str, &str); 37] = [
+    const STRUCTURES: [(&str, &str); 38] = [
         ("Document", "file"),
         ("Asset", "asset"),
         ("DocumentExtensions", ""),
@@ -408,6 +425,7 @@ mod tests {
         ("Anisotropy", "KHR_materials_anisotropy"),
         ("Clearcoat", "KHR_materials_clearcoat"),
         ("Transmission", "KHR_materials_transmission"),
+        ("Volume", "KHR_materials_volume"),
         ("Texture", "textures"),
         ("Image", "images"),
         ("Sampler", "samplers"),

@@ -6,8 +6,6 @@ use crate::entry::{Entry, Table, Taken, find, passed, read, refused as refusing,
 pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 
 const TRANSPARENT: &str = "transparent surfaces are not modelled; they were taken as opaque";
-const THROUGH: &str =
-    "how light goes through surfaces of KHR_materials_transmission, which are left out";
 const OTHER_PICTURE: &str = "of each texture the PNG or JPEG picture was taken, where it has one";
 
 /// The known extensions, and how they are taken where a file uses them; for those warned of, the end of the
@@ -22,8 +20,8 @@ const EXTENSIONS: &[Entry] = &[
     read("KHR_node_visibility", "see its properties"),
     read(TEXTURE_TRANSFORM, "see its properties"),
     read("KHR_materials_transmission", "see its properties"),
-    passed("KHR_materials_volume", THROUGH),
-    passed("KHR_materials_dispersion", THROUGH),
+    read("KHR_materials_volume", "see its properties"),
+    passed("KHR_materials_dispersion", "glass bends all colours alike"),
     told("KHR_materials_diffuse_transmission", TRANSPARENT),
     told(
         "KHR_materials_clearcoat",

@@ -6,7 +6,7 @@ use super::ward::object;
 use super::{Problem, container, texture, transform};
 use crate::texels;
 use serde_json::{Value, json};
-use unrender_scene::Texture;
+use unrender_scene::{Texture, Wrap};
 
 /// A glTF file in the making.
 pub(super) struct Glb {
@@ -56,16 +56,22 @@ impl Glb {
 
     /// Embeds `texture` as a PNG and returns the index of the glTF texture.
     pub(super) fn push_texture(&mut self, texture: &Texture) -> Result<usize, Problem> {
-        let view = self.push_view(&texels::png(&texture.image)?, None);
+        let png = texels::png(&texture.image)?;
+        Ok(self.push_picture(&png, [texture.wrap_u, texture.wrap_v]))
+    }
+
+    /// Embeds the picture `png` and returns the index of the glTF texture.
+    pub(super) fn push_picture(&mut self, png: &[u8], [wrap_u, wrap_v]: [Wrap; 2]) -> usize {
+        let view = self.push_view(png, None);
         let image = self.push("images", json!({ "bufferView": view, "mimeType": "image/png" }));
         let sampler = self.push(
             "samplers",
             json!({
-                "wrapS": texture::wrap_code(texture.wrap_u),
-                "wrapT": texture::wrap_code(texture.wrap_v),
+                "wrapS": texture::wrap_code(wrap_u),
+                "wrapT": texture::wrap_code(wrap_v),
             }),
         );
-        Ok(self.push("textures", json!({ "sampler": sampler, "source": image })))
+        self.push("textures", json!({ "sampler": sampler, "source": image }))
     }
 
     /// Lists the extensions in use, adds the buffer to the JSON, and packs both.

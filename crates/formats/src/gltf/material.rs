@@ -4,7 +4,7 @@ use super::Problem;
 use super::document::{Material as MaterialJson, TextureInfo};
 use super::source::Source;
 use super::texture::Encoded;
-use super::{principled, tell, texture, ward};
+use super::{detailed, principled, tell, texture, ward};
 use crate::numbers::color_and_factor;
 use crate::texels;
 use glam::DVec3;
@@ -92,9 +92,6 @@ fn warn_of_the_unread(json: &MaterialJson, name: &str, warnings: &mut Warnings) 
             "material \"{name}\": its emissiveTexture was ignored; it emits emissiveFactor all over."
         ));
     }
-    if json.alpha_mode.as_deref().is_some_and(|mode| mode != "OPAQUE") {
-        warnings.push(format!("material \"{name}\" is transparent; it was taken as opaque."));
-    }
 }
 
 struct Reader<'a> {
@@ -119,7 +116,9 @@ impl Reader<'_> {
         let (mut material, _) = record.to_material().map_err(|e| fault(&e))?;
         if let Some(pbr) = &json.pbr_metallic_roughness {
             let factor = self.base_color(pbr.base_color_factor);
-            material.texture = self.base_texture(pbr.base_color_texture.as_ref(), factor)?;
+            let texture = self.base_texture(pbr.base_color_texture.as_ref(), factor)?;
+            let mode = json.alpha_mode.as_deref();
+            material.texture = texture.filter(|own| !detailed::is_for_holes(own, factor, mode));
         }
         Ok(material)
     }

@@ -12,18 +12,20 @@
 
 mod accessor;
 mod assign;
-mod clear;
 mod container;
+mod detail;
+mod detailed;
 mod document;
 mod elements;
 mod extensions;
 mod geometry;
+mod glass;
 mod glb;
 mod graph;
 mod lights;
-mod maps;
 mod material;
 mod names;
+mod panes;
 mod place;
 mod principled;
 mod read;

@@ -3,8 +3,8 @@
 use super::graph::{Placed, placed_nodes};
 use super::names::{ObjectNames, group_names, holder};
 use super::source::{Source, get};
-use super::{Problem, clear, geometry, lights, maps, material, tell, two_sided, units};
-use crate::{FileError, Input};
+use super::{Problem, detail, geometry, glass, lights, material, tell, two_sided, units};
+use crate::{FileError, Input, relief};
 use std::collections::BTreeMap;
 use unrender_scene::{BrdfModel, Layering, Object, Scene, Warnings};
 
@@ -41,10 +41,10 @@ fn scene(source: &Source) -> Result<(Scene, Warnings), Problem> {
         placed.world_from_node.translation -= source.scope().origin();
         read_node(source, (&placed, &objects), &mut scene, &mut warnings)?;
     }
-    clear::leave_out(document, &names, &mut scene);
+    glass::set_apart(document, &names, &mut scene);
     scene.brdf = sort_into_groups(source, &names, &mut scene, &mut warnings)?;
     source.scope().complete()?;
-    scene.left_out_told().into_iter().for_each(|told| warnings.push(told + "."));
+    scene.glass_told().into_iter().for_each(|told| warnings.push(told + "."));
     warn_of_missing_uvs(&scene, &mut warnings);
     Ok((scene, warnings))
 }
@@ -152,11 +152,18 @@ fn sort_into_groups(
             continue;
         };
         scene.groups.push(material::group(source, json, &names[slot], model, warnings)?);
+        let detail = detail::of_material(source, json, &names[slot], warnings)?;
+        for object in scene.objects.iter_mut().filter(|object| object.group == slot) {
+            if object.mesh.uvs.is_empty() && !detail.is_none() {
+                warnings.push(missing_uvs(&object.name));
+            }
+            relief::give(&mut object.mesh, &detail);
+        }
     }
     if !model.is_principled() {
         scene.free();
     }
-    maps::tell(&source.document, (names, &used), warnings);
+    detail::tell(&source.document, (names, &used), warnings);
     for object in &mut scene.objects {
         object.group = group_of[object.group].unwrap_or_default();
     }
@@ -166,11 +173,14 @@ fn sort_into_groups(
 fn warn_of_missing_uvs(scene: &Scene, warnings: &mut Warnings) {
     for object in &scene.objects {
         if object.mesh.uvs.is_empty() && scene.groups[object.group].material.texture.is_some() {
-            warnings.push(format!(
-                "object \"{}\" has no texture coordinates for the texture of its material; \
-                 unwrap it and export the scene again.",
-                object.name
-            ));
+            warnings.push(missing_uvs(&object.name));
         }
     }
+}
+
+fn missing_uvs(object: &str) -> String {
+    format!(
+        "object \"{object}\" has no texture coordinates for the texture of its material; unwrap it and export the scene \
+         again."
+    )
 }

@@ -64,7 +64,7 @@ pub(super) fn node(document: &Document, node: &Node, warnings: &mut Warnings) {
     }
 }
 
-/// Warns that vertices have an attribute `key` that is not known; of colours, see `maps.rs`.
+/// Warns that vertices have an attribute `key` that is not known; of colours, see `detail.rs`.
 fn tell_attribute(key: &str, warnings: &mut Warnings) {
     if elements::attribute(key).is_none() {
         warnings.push(format!("glTF meshes: the attribute {key} is not read; it was ignored."));
@@ -85,6 +85,7 @@ pub(super) fn material(json: &Material, name: &str, warnings: &mut Warnings) {
         ("anisotropy", extensions.anisotropy.as_ref().map(|e| &e.unread)),
         ("clearcoat", extensions.clearcoat.as_ref().map(|e| &e.unread)),
         ("transmission", extensions.transmission.as_ref().map(|e| &e.unread)),
+        ("volume", extensions.volume.as_ref().map(|e| &e.unread)),
     ];
     for (extension, unread) in of_extensions {
         if let Some(unread) = unread {
@@ -92,16 +93,19 @@ pub(super) fn material(json: &Material, name: &str, warnings: &mut Warnings) {
         }
     }
     let mut lists = vec![&extensions.unread];
+    let mut infos: Vec<&TextureInfo> = json.normal_texture.iter().collect();
     if let Some(pbr) = &json.pbr_metallic_roughness {
         tell(&pbr.unread, "");
-        let infos = [&pbr.base_color_texture, &pbr.metallic_roughness_texture];
-        for TextureInfo { extensions, unread, .. } in infos.into_iter().flatten() {
-            tell(unread, "'s texture");
-            if let Some(transform) = &extensions.transform {
-                tell(&transform.unread, "'s texture");
-            }
-            lists.push(&extensions.unread);
+        infos.extend(
+            [&pbr.base_color_texture, &pbr.metallic_roughness_texture].into_iter().flatten(),
+        );
+    }
+    for TextureInfo { extensions, unread, .. } in infos {
+        tell(unread, "'s texture");
+        if let Some(transform) = &extensions.transform {
+            tell(&transform.unread, "'s texture");
         }
+        lists.push(&extensions.unread);
     }
     lists.into_iter().for_each(|list| list.tell_extensions(warnings));
 }

@@ -2,8 +2,8 @@
 
 use super::Problem;
 use super::source::{Source, get};
-use crate::texels::decode;
-use unrender_scene::{Image, Rgb, Wrap};
+use crate::texels::{self, decode};
+use unrender_scene::{Image, Mapped, Rgb, Wrap};
 
 /// The picture of a texture.
 pub(super) enum Encoded {
@@ -22,14 +22,26 @@ pub(super) fn encoded(source: &Source, index: usize) -> Result<Encoded, Problem>
     let Some(bytes) = source.image(image)? else { return Ok(Encoded::Missing) };
     let texels =
         decode(source.scope(), &bytes).map_err(|error| format!("image {image} {error}"))?;
-    let (u, v) = match texture.sampler {
-        Some(sampler) => {
-            let sampler = get(&source.document.samplers, sampler, "sampler")?;
-            (wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?)
-        }
-        None => (Wrap::Repeat, Wrap::Repeat),
-    };
+    let (u, v) = wraps(source, texture.sampler)?;
     Ok(Encoded::Texels(texels, u, v))
+}
+
+/// The alpha of glTF texture `index`, 0 to 1; none if it is one everywhere, or not there.
+pub(super) fn alpha(source: &Source, index: usize) -> Result<Option<Mapped<f32>>, Problem> {
+    let texture = get(&source.document.textures, index, "texture")?;
+    let Some(image) = texture.source else { return Ok(None) };
+    let Some(bytes) = source.image(image)? else { return Ok(None) };
+    let alpha = texels::alpha(source.scope(), &bytes);
+    let alpha = alpha.map_err(|error| format!("image {image} {error}"))?;
+    let (wrap_u, wrap_v) = wraps(source, texture.sampler)?;
+    Ok(alpha.map(|image| Mapped { image, wrap_u, wrap_v }))
+}
+
+/// How textures with this sampler go on beyond their edges.
+fn wraps(source: &Source, sampler: Option<usize>) -> Result<(Wrap, Wrap), Problem> {
+    let Some(sampler) = sampler else { return Ok((Wrap::Repeat, Wrap::Repeat)) };
+    let sampler = get(&source.document.samplers, sampler, "sampler")?;
+    Ok((wrap(sampler.wrap_s)?, wrap(sampler.wrap_t)?))
 }
 
 /// Whether glTF texture `index` asks for its nearest texel.

@@ -13,13 +13,15 @@
 //! `(u', v')`, too. The emissive texture is not read, and only the mean of others counts.
 
 use super::Problem;
-use super::document::{Document, TextureInfo};
+use super::document::{Document, Material, TextureInfo};
 use super::extensions::TEXTURE_TRANSFORM;
-use glam::{DAffine2, DMat2, DVec2, Vec3, Vec4};
+use crate::relief::along_u;
+use glam::{DAffine2, DMat2, DVec2};
 use serde_json::{Value, json};
 use unrender_scene::Mesh;
 
 /// Which texture coordinates a material uses, and how they are transformed.
+#[derive(PartialEq)]
 pub(super) struct Layout {
     /// The number of the set, n of `TEXCOORD_n`.
     pub(super) set: usize,
@@ -27,12 +29,25 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The layout of material `index`; plain `TEXCOORD_0` without a base colour texture.
+    const PLAIN: Self = Self { set: 0, transform: None };
+
+    /// The layout of material `index`; plain `TEXCOORD_0` without textures.
     pub(super) fn of(document: &Document, index: Option<usize>) -> Result<Self, Problem> {
         let material = index.and_then(|index| document.materials.get(index));
-        let pbr = material.and_then(|material| material.pbr_metallic_roughness.as_ref());
+        material.map_or(Ok(Self::PLAIN), Self::of_material)
+    }
+
+    /// That of the base colour texture, or of the normals where there is none.
+    pub(super) fn of_material(json: &Material) -> Result<Self, Problem> {
+        let pbr = json.pbr_metallic_roughness.as_ref();
         let info = pbr.and_then(|pbr| pbr.base_color_texture.as_ref());
-        info.map_or(Ok(Self { set: 0, transform: None }), Self::of_texture)
+        let info = info.or(json.normal_texture.as_ref());
+        info.map_or(Ok(Self::PLAIN), Self::of_texture)
+    }
+
+    /// Whether it is the layout of `info`.
+    pub(super) fn is_of(&self, info: &TextureInfo) -> Result<bool, Problem> {
+        Ok(*self == Self::of_texture(info)?)
     }
 
     fn of_texture(info: &TextureInfo) -> Result<Self, Problem> {
@@ -67,28 +82,6 @@ impl Layout {
             *uv = transform.transform_point2(uv.as_dvec2()).as_vec2();
         }
     }
-}
-
-/// The direction of growing u at each vertex; where there is none, world +x, or +z on surfaces that
-/// face along x, as for meshes without texture coordinates.
-fn along_u(mesh: &Mesh) -> Vec<Vec4> {
-    let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
-        let [s, t, w] = triangle.map(|i| mesh.uvs[i as usize]);
-        let (t, w) = (t - s, w - s);
-        // Weighted by the area, with the sign of the area in the texture.
-        let tangent = ((b - a) * w.y - (c - a) * t.y) * t.perp_dot(w).signum();
-        triangle.iter().for_each(|&i| sums[i as usize] += tangent);
-    }
-    let on_surface = |(sum, normal): (&Vec3, &Vec3)| {
-        let projected = |v: Vec3| (v - normal.dot(v) * *normal).try_normalize();
-        let wanted = [sum.normalize_or_zero(), Vec3::X, Vec3::Z];
-        let is_along = |v: &Vec3| v.cross(*normal).length() > 1e-3;
-        let tangent = wanted.into_iter().filter(is_along).find_map(projected);
-        tangent.unwrap_or(Vec3::X).extend(1.0)
-    };
-    sums.iter().zip(&mesh.normals).map(on_surface).collect()
 }
 
 /// The JSON in a material for glTF texture `index`, with the transform of the texture `former`.

@@ -9,7 +9,6 @@ use super::document::Material as MaterialJson;
 use super::geometry::append;
 use super::material::emission;
 use glam::{Vec3, Vec4};
-use std::collections::HashMap;
 use unrender_scene::{Mesh, Rgb};
 
 /// How far the second skin lies behind the first, as a share of the mesh's extent: a tenth of a millimetre
@@ -24,7 +23,7 @@ pub(super) fn emits(json: &MaterialJson) -> bool {
 
 /// Gives an open mesh its second skin.
 pub(super) fn add_back(mesh: &mut Mesh) -> Result<(), Problem> {
-    if mesh.normals.len() != mesh.positions.len() || is_closed(mesh) {
+    if mesh.normals.len() != mesh.positions.len() || mesh.is_closed() {
         return Ok(());
     }
     let low = mesh.positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
@@ -37,23 +36,9 @@ pub(super) fn add_back(mesh: &mut Mesh) -> Result<(), Problem> {
         uvs: mesh.uvs.clone(),
         tangents: mesh.tangents.iter().map(|t| Vec4::new(t.x, t.y, t.z, -t.w)).collect(),
         triangles: mesh.triangles.iter().map(|[a, b, c]| [*a, *c, *b]).collect(),
+        ..Mesh::default()
     };
     append(mesh, back)
-}
-
-/// Whether every edge has a triangle on both of its sides. Vertices at one place are one.
-fn is_closed(mesh: &Mesh) -> bool {
-    let mut edges: HashMap<[[u32; 3]; 2], usize> = HashMap::new();
-    // Zero has two signs.
-    let place = |i: u32| mesh.positions[i as usize].to_array().map(|v| (v + 0.0).to_bits());
-    for [a, b, c] in &mesh.triangles {
-        for [from, to] in [[a, b], [b, c], [c, a]] {
-            let mut edge = [place(*from), place(*to)];
-            edge.sort_unstable();
-            *edges.entry(edge).or_default() += 1;
-        }
-    }
-    edges.values().all(|count| count % 2 == 0)
 }
 
 #[cfg(test)]

@@ -5,13 +5,14 @@
 
 use super::glb::Glb;
 use super::{Problem, lights, material, units, ward};
-use crate::LightUnits;
+use crate::glasses::Glasses;
 use crate::near;
 use crate::numbers::{number, triple};
+use crate::{LightUnits, group_detail};
 use glam::{Affine3A, DVec3, Mat3, Vec3};
 use serde_json::{Value, json};
 use unrender_scene::origin::in_digits;
-use unrender_scene::{Camera, Group, Light, LightKind, Material, Mesh, Object, Scene};
+use unrender_scene::{Camera, Light, LightKind, Material, Mesh, Object, Scene};
 
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
@@ -55,16 +56,22 @@ fn build(scene: &Scene, shown: &[Material], units: LightUnits) -> Result<Vec<u8>
         units::note(&mut glb.root, units);
     }
     glb.root["scene"] = json!(0);
-    for (group, shown) in scene.groups.iter().zip(shown) {
-        let material = glb.material(group, shown, scene)?;
+    for (index, shown) in (0..scene.groups.len()).zip(shown) {
+        let material = glb.material(index, shown, scene)?;
         glb.push("materials", material);
     }
+    let glasses = Glasses::of(scene);
+    let kinds: Vec<usize> = glasses.kinds.iter().map(|kind| glb.push_glass(kind)).collect();
     let mut nodes = Vec::new();
     for object in &scene.objects {
         // glTF cannot express an object without triangles.
         if !object.mesh.triangles.is_empty() {
-            nodes.push(glb.object_node(object, scene.origin)?);
+            let Object { name, group, mesh } = object;
+            nodes.push(glb.mesh_node(name, mesh, *group, scene.origin)?);
         }
+    }
+    for shape in &glasses.shapes {
+        nodes.push(glb.mesh_node(&shape.name, shape.mesh, kinds[shape.kind], scene.origin)?);
     }
     nodes.extend(
         scene.cameras.iter().map(|camera| {
@@ -82,47 +89,54 @@ fn build(scene: &Scene, shown: &[Material], units: LightUnits) -> Result<Vec<u8>
 impl Glb {
     fn material(
         &mut self,
-        group: &Group,
+        index: usize,
         shown: &Material,
         scene: &Scene,
     ) -> Result<Value, Problem> {
-        let texture = group.material.texture.as_ref();
-        let texture = texture.map(|texture| self.push_texture(texture)).transpose()?;
+        let group = &scene.groups[index];
+        let detail = group_detail::of_group(scene, index);
         let mut json = json!({ "name": group.name });
         if group.is_emitter() {
             material::set_emission(&mut json, group.emission);
         }
-        ward::assign_material(&mut json, shown, scene.brdf, texture);
+        self.paint(&mut json, (shown, &group.material), scene.brdf, detail.coverage.as_deref())?;
+        self.emboss(&mut json, &detail)?;
         ward::note_exact(ward::object(&mut json), &group.material, scene.brdf);
         Ok(json)
     }
 
-    fn object_node(&mut self, object: &Object, origin: DVec3) -> Result<Value, Problem> {
-        let attributes = self.attributes(&object.mesh).ok_or_else(|| {
-            format!("object \"{}\" has coordinates that are not finite", object.name)
-        })?;
+    fn mesh_node(
+        &mut self,
+        name: &str,
+        mesh: &Mesh,
+        material: usize,
+        origin: DVec3,
+    ) -> Result<Value, Problem> {
+        let attributes = self
+            .attributes(mesh)
+            .ok_or_else(|| format!("object \"{name}\" has coordinates that are not finite"))?;
         let bytes: Vec<u8> =
-            object.mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
+            mesh.triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
         let view = self.push_view(&bytes, Some(ELEMENT_ARRAY_BUFFER));
         let indices = self.push(
             "accessors",
             json!({
                 "bufferView": view,
                 "componentType": UNSIGNED_INT,
-                "count": 3 * object.mesh.triangles.len(),
+                "count": 3 * mesh.triangles.len(),
                 "type": "SCALAR",
             }),
         );
         let mesh = self.push(
             "meshes",
             json!({
-                "name": object.name,
+                "name": name,
                 "primitives": [
-                    { "attributes": attributes, "indices": indices, "material": object.group }
+                    { "attributes": attributes, "indices": indices, "material": material }
                 ],
             }),
         );
-        let mut node = json!({ "name": object.name, "mesh": mesh });
+        let mut node = json!({ "name": name, "mesh": mesh });
         if origin != DVec3::ZERO {
             node["translation"] = json!(origin.to_array());
         }

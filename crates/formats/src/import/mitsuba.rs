@@ -12,6 +12,7 @@ mod behind;
 mod bsdf;
 mod colorimetry;
 mod elements;
+mod glass;
 mod lights;
 mod mesh_file;
 mod metals;
@@ -22,6 +23,7 @@ mod parse;
 pub(crate) mod plastics;
 mod plugins;
 mod references;
+mod relief;
 mod sensor;
 mod serialized;
 mod shapes;
@@ -40,13 +42,15 @@ use crate::input::{Input, Scope};
 use crate::names::{DEFAULT, unique};
 use crate::told::Told;
 use bsdf::{Reflectance, Reflectances};
-use glam::{Affine2, DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use lights::Emitter;
 use paint::{Context, color};
 use spectrum::Use;
 use std::collections::BTreeSet;
 use tree::{Node, Tree};
-use unrender_scene::{BrdfModel, Group, Layering, LeftOut, Mesh, Object, Rgb, Scene, Warnings};
+use unrender_scene::{
+    BrdfModel, Glass, Group, Layering, Mesh, Object, Rgb, Scene, Ungrouped, Warnings,
+};
 
 /// The model of Mitsuba's own BSDFs.
 const PRINCIPLED: BrdfModel = BrdfModel::Principled(Layering::Coupled);
@@ -79,13 +83,15 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
         microfacets: Vec::new(),
         exact: None,
         told: Told::default(),
+        told_of_glass: Told::default(),
+        glasses: BTreeSet::new(),
         object_names: BTreeSet::new(),
     };
     reader.scene(&tree).map_err(fail)?;
     scope.complete().map_err(fail)?;
     let scene = reader.finished(&tree);
     let mut warnings = context.warnings.into_inner();
-    tree.unread().into_iter().chain(scene.left_out_told()).for_each(|told| warnings.push(told));
+    tree.unread().into_iter().chain(scene.glass_told()).for_each(|told| warnings.push(told));
     Ok((scene, warnings))
 }
 
@@ -121,6 +127,10 @@ struct Reader<'a> {
     exact: Option<BrdfModel>,
     /// In what groups differ from their BSDFs.
     told: Told,
+    /// In what glass differs from its BSDFs.
+    told_of_glass: Told,
+    /// The places of the BSDFs of glass in the tree.
+    glasses: BTreeSet<usize>,
     /// The names of the objects so far.
     object_names: BTreeSet<String>,
 }
@@ -129,10 +139,20 @@ struct Reader<'a> {
 enum Found {
     /// The surface is not there.
     Nothing,
-    /// It lets light through; the name of the material.
-    Clear(String),
+    /// It lets light through.
+    Glass(Box<Clear>),
     /// One of [`Reader::surfaces`].
     Surface(usize),
+}
+
+/// A BSDF of glass.
+struct Clear {
+    /// Its place in the tree.
+    index: usize,
+    /// The name of the material.
+    name: String,
+    glass: Glass,
+    reflectance: Reflectance,
 }
 
 impl Reader<'_> {
@@ -190,8 +210,9 @@ impl Reader<'_> {
         if reflectance.is_nothing {
             return Ok(Found::Nothing);
         }
-        if reflectance.is_clear {
-            return Ok(Found::Clear(name));
+        if let Some(glass) = reflectance.glass {
+            let index = node.index;
+            return Ok(Found::Glass(Box::new(Clear { index, name, glass, reflectance })));
         }
         if let Some((material, brdf)) = &node.note().material {
             // Our export lets u grow along the anisotropy direction.
@@ -279,26 +300,42 @@ impl Reader<'_> {
                 node.pass_all();
                 return Ok(());
             }
-            (Some(Found::Clear(material)), None) => {
-                let mesh = self.mesh(node, &world, false)?;
-                let mesh = mesh.map(|mesh| scope.charge(bytes_of(&mesh)).map(|()| mesh));
-                let mesh = mesh.transpose().map_err(|problem| node.fail(problem))?;
-                self.scene.left_out.extend(mesh.map(|mesh| LeftOut { material, mesh }));
-                return Ok(());
-            }
+            (Some(Found::Glass(clear)), None) => return self.glass(node, &world, *clear),
             (None, None) => self.without_bsdf(Source::Nobody),
             (_, Some(_)) => self.without_bsdf(Source::Lamp),
         };
-        let reflectance = &self.surfaces[surface].reflectance;
+        let Surface { reflectance, name, .. } = &self.surfaces[surface];
         let (to_uv, wants_uvs) = (reflectance.to_uv, reflectance.wants_uvs());
-        let Some(mut mesh) = self.mesh(node, &world, wants_uvs)? else { return Ok(()) };
-        scope.charge(bytes_of(&mesh)).map_err(|problem| node.fail(problem))?;
-        if to_uv != Affine2::IDENTITY {
-            mesh.uvs.iter_mut().for_each(|uv| *uv = to_uv.transform_point2(*uv));
+        let mut relief = reflectance.relief.clone();
+        if emission.is_some_and(|emission| emission != Rgb::ZERO) && relief.holes.take().is_some() {
+            self.told.note("it is a lamp with holes, which was taken as one without", name);
         }
+        let Some(mut mesh) = self.mesh(node, &world, wants_uvs)? else { return Ok(()) };
+        let charged =
+            scope.charge(bytes_of(&mesh)).and_then(|()| relief.lay(&mut mesh, to_uv, scope));
+        charged.map_err(|problem| node.fail(problem))?;
         let surface = self.emitting(surface, emission.unwrap_or(Rgb::ZERO));
         let name = self.object_name(node, instance);
         self.surfaces[surface].objects.push(Object { name, group: 0, mesh });
+        Ok(())
+    }
+
+    /// Adds the shape `node` of glass, `world` behind its own transform.
+    fn glass(&mut self, node: Node, world: &DAffine3, clear: Clear) -> Result<(), String> {
+        let Clear { index, name, glass, reflectance } = clear;
+        if self.glasses.insert(index) {
+            reflectance.doubts(false).for_each(|doubt| self.told_of_glass.note(doubt, &name));
+        }
+        let scope = self.context.scope;
+        let Some(mut mesh) = self.mesh(node, world, reflectance.wants_uvs())? else {
+            return Ok(());
+        };
+        let charged = scope.charge(bytes_of(&mesh));
+        let laid =
+            charged.and_then(|()| reflectance.relief.lay(&mut mesh, reflectance.to_uv, scope));
+        laid.map_err(|problem| node.fail(problem))?;
+        let glass = Some(glass::on(glass, &mesh));
+        self.scene.ungrouped.push(Ungrouped { material: name, mesh, glass });
         Ok(())
     }
 
@@ -411,6 +448,8 @@ impl Reader<'_> {
     fn finished(&mut self, tree: &Tree) -> Scene {
         self.choose_lobe();
         self.told.sentences().for_each(|sentence| self.context.warn(sentence));
+        let of_glass = self.told_of_glass.sentences_of("material");
+        of_glass.for_each(|sentence| self.context.warn(sentence));
         // BSDFs that stand in others or have no name are no groups, unless shapes have them, too.
         let others = tree.plugins.iter().enumerate().filter(|(_, plugin)| plugin.tag == "bsdf");
         let inner: BTreeSet<usize> = others.flat_map(|(i, _)| tree.node(i).inside()).collect();

@@ -83,7 +83,7 @@ pub(super) fn mesh(scope: &Scope, bytes: &[u8], origin: DVec3) -> Result<(Mesh, 
         polygon::split(corners, |&i| positions[i as usize], &mut triangles)?;
     }
     let normals = normals.unwrap_or_default().into_iter().map(Vec3::normalize_or_zero).collect();
-    let mesh = Mesh { positions, normals, uvs, tangents: Vec::new(), triangles };
+    let mesh = Mesh { positions, normals, uvs, triangles, ..Mesh::default() };
     Ok((mesh, is_single(&header)))
 }
 

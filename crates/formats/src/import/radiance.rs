@@ -43,7 +43,7 @@ use primitives::{Noted, Primitive};
 use std::collections::BTreeMap;
 use std::path::Path;
 use surfaces::{brush, polygon, round};
-use unrender_scene::{Group, Mesh, Object, Scene, Warnings};
+use unrender_scene::{Group, Mesh, Object, Scene, Ungrouped, Warnings};
 
 /// What is read of Radiance's scenes, commands and views.
 pub(crate) fn tables() -> Vec<Table> {
@@ -77,6 +77,7 @@ fn scene(input: Input<'_>, warnings: &mut Warnings) -> Result<Scene, String> {
         materials: Materials::new((&scope, folder)),
         meshes: Meshes::default(),
         objects: Vec::new(),
+        ungrouped: Vec::new(),
         lamps: Lamps::default(),
         warnings,
     };
@@ -85,6 +86,7 @@ fn scene(input: Input<'_>, warnings: &mut Warnings) -> Result<Scene, String> {
         reader.primitive(noted).map_err(|problem| format!("{place}: {problem}"))?;
     }
     let mut scene = reader.finished()?;
+    scene.glass_told().into_iter().for_each(|told| warnings.push(told));
     scene.cameras.extend(view::beside(&scope, path, warnings)?);
     Ok(scene)
 }
@@ -104,6 +106,7 @@ struct Reader<'a> {
     materials: Materials<'a>,
     meshes: Meshes,
     objects: Vec<ObjectMeshes>,
+    ungrouped: Vec<Ungrouped>,
     lamps: Lamps,
     warnings: &'a mut Warnings,
 }
@@ -157,6 +160,10 @@ impl Reader<'_> {
         match seen.map_err(|problem| format!("{}: {problem}", p.named()))? {
             Seen::Nothing => Ok(()),
             Seen::Spot(spot) => self.lamps.spot(&p.id, spot, mesh),
+            Seen::Glass(material, glass) => {
+                self.ungrouped.push(Ungrouped { material, mesh, glass: Some(glass) });
+                Ok(())
+            }
             Seen::Group(group, along) => {
                 self.add(p, note, group, along, mesh);
                 Ok(())
@@ -243,7 +250,8 @@ impl Reader<'_> {
         let names = unique(&wanted, self.warnings);
         let places: BTreeMap<usize, usize> =
             groups.iter().enumerate().map(|(place, (index, _))| (*index, place)).collect();
-        let mut scene = Scene { brdf: self.materials.brdf(), ..Scene::default() };
+        let (brdf, ungrouped) = (self.materials.brdf(), self.ungrouped);
+        let mut scene = Scene { brdf, ungrouped, ..Scene::default() };
         for part in self.objects {
             let group = places.get(&part.group).copied().unwrap_or(0);
             let mut mesh = shapes::joined(part.meshes.into_iter());

@@ -97,21 +97,22 @@ fn picture(
     Ok(Some(texels::linear(&texels::decode(scope, &bytes)?)))
 }
 
-fn plain(name: &str) -> String {
+/// A name as a path: without quotes, its folders apart by slashes.
+pub(super) fn plain(name: &str) -> String {
     name.trim_matches('"').replace('\\', "/")
 }
 
 /// The path of the file called `name`, seen from `folder`, if it exists. Names are relative to the
 /// folder of the MTL file; some programs write them relative to that of the OBJ, which is accepted,
 /// too.
-fn located(folder: &Path, mtl: &str, name: &str) -> Option<String> {
+pub(super) fn located(folder: &Path, mtl: &str, name: &str) -> Option<String> {
     let within = Path::new(mtl).parent().unwrap_or(Path::new(""));
     let there = within.join(plain(name)).to_string_lossy().into_owned();
     [there, plain(name)].into_iter().find(|path| folder.join(path).is_file())
 }
 
 /// The name of a map's file, after its options, which must not change anything.
-fn without_options(words: &str) -> Result<&str, String> {
+pub(super) fn without_options(words: &str) -> Result<&str, String> {
     let mut rest = words;
     while rest.starts_with('-') {
         let (option, behind) = split(rest);

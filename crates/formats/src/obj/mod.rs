@@ -4,7 +4,7 @@
 //! are groups, too; where there is no `usemtl` at all, each name of `g` and `o` is one. `Kd` and
 //! `map_Kd` are the diffuse part; `Ks` is the specular one, unless `illum` is 0 or 1, with `alpha =
 //! sqrt(2 / (Ns + 2))`, the width of the Blinn-Phong lobe of that exponent. `Ke` is the emitted
-//! radiance. There is no camera and no unit of length; metres are assumed.
+//! radiance. Glass: see `glass.rs`; normal maps and holes: `relief.rs`. There is no camera and no unit of length; metres are assumed.
 //!
 //! No library is used, since the existing ones drop or change data that is needed here. They give a
 //! whole object texture coordinates and normals if one face has them, make triangles of lines, forget
@@ -12,9 +12,11 @@
 //! what they skip.
 
 pub(crate) mod document;
+mod glass;
 mod material;
 mod mesh;
 mod mtl;
+mod relief;
 mod text;
 mod unread;
 
@@ -22,6 +24,7 @@ use crate::FileError;
 use crate::entry::Table;
 use crate::input::{Input, Scope};
 use crate::names::{DEFAULT, unique};
+use crate::relief::give;
 use document::Document;
 use glam::DVec3;
 use material::ASSUMED_RHO_D;
@@ -30,7 +33,7 @@ use mtl::Materials;
 use std::collections::HashMap;
 use std::path::Path;
 use unread::listed;
-use unrender_scene::{Mesh, Object, Scene, Warnings};
+use unrender_scene::{Detail, Mesh, Object, Scene, Ungrouped, Warnings};
 
 /// Reads the OBJ at `path` with the MTL files and pictures that it names; positions count from the
 /// origin that the input states.
@@ -48,12 +51,16 @@ pub fn read<'a>(input: impl Into<Input<'a>>) -> Result<(Scene, Warnings), FileEr
         Materials::read(&scope, input.path, document.libraries.given()).map_err(fail)?;
     let mut warnings = Warnings::default();
     let (place, by_object) = ((&scope, input.path), are_objects_groups(&document));
-    let scene = scene(place, &document, parts, &materials, &mut warnings).map_err(fail)?;
+    let mut unread = Vec::new();
+    let scene = scene(place, &document, parts, (&materials, &mut unread), &mut warnings);
+    let scene = scene.map_err(fail)?;
     scope.complete().map_err(fail)?;
     tell(input.path, document, &mut warnings);
-    let used = scene.groups.iter().map(|group| group.name.as_str());
-    materials.tell(used.filter(|_| !by_object), &mut warnings);
-    if scene.objects.is_empty() && !warnings.0.is_empty() {
+    let groups = scene.groups.iter().map(|group| group.name.as_str());
+    let used = groups.chain(scene.ungrouped_materials());
+    materials.tell(used.filter(|_| !by_object), &unread, &mut warnings);
+    scene.glass_told().into_iter().for_each(|told| warnings.push(told));
+    if scene.objects.is_empty() && scene.ungrouped.is_empty() && !warnings.0.is_empty() {
         let why = warnings.0.join(" ");
         return Err(fail(format!("has no triangles. {}", why.trim_end_matches('.'))));
     }
@@ -114,12 +121,13 @@ fn group_name<'a>(document: &'a Document, materials: &Materials, part: &Piece) -
     document.materials.get(part.material).map(|name| materials.resolve(name))
 }
 
-/// The groups and objects of `parts`.
+/// The groups and objects of `parts`; what is not read of their materials is added to `unread`, with the name of each and
+/// the line.
 fn scene(
     (scope, path): (&Scope, &Path),
     document: &Document,
     parts: Vec<Piece>,
-    materials: &Materials,
+    (materials, unread): (&Materials, &mut Vec<(String, &'static str, usize)>),
     warnings: &mut Warnings,
 ) -> Result<Scene, String> {
     let mut slots: Vec<Option<&str>> = Vec::new();
@@ -138,13 +146,20 @@ fn scene(
     let default = default_name(&slots);
     let place = (scope, path.parent().unwrap_or(Path::new("")));
     let of_materials = (!are_objects_groups(document)).then_some(materials);
-    let mut missing = Vec::new();
+    let (mut missing, mut details) = (Vec::new(), Vec::new());
     for slot in &slots {
         let found = slot.and_then(|name| of_materials?.get(name));
         if let (Some(name), None) = (slot, found) {
             missing.push(*name);
         }
         let name = slot.unwrap_or(&default);
+        let mut untold = relief::Unread::new();
+        details.push(match found {
+            Some(found) => relief::detail(found, place, &mut untold)
+                .map_err(|problem| format!("material \"{name}\": a map {problem}"))?,
+            None => Detail::default(),
+        });
+        unread.extend(untold.into_iter().map(|(what, line)| (name.to_owned(), what, line)));
         scene.groups.push(match found {
             Some(found) => material::group(name, found, place, warnings)?,
             None => material::unstated(name),
@@ -152,8 +167,39 @@ fn scene(
     }
     let without = slots.contains(&None).then_some(default.as_str());
     warn_of_assumed(path, of_materials.is_some(), &missing, without, warnings);
-    warn_of_missing_uvs(&scene, warnings);
+    warn_of_missing_uvs(&scene, &details, warnings);
+    for object in &mut scene.objects {
+        give(&mut object.mesh, &details[object.group]);
+    }
+    let glass = |group: usize| {
+        let found = slots[group].and_then(|name| of_materials?.get(name));
+        found.map(|(mtl, _)| mtl).filter(|mtl| mtl.is_glass())
+    };
+    set_apart(&mut scene, glass);
     Ok(scene)
+}
+
+/// Takes the objects of glass, and their groups, out of those of `scene`; `glass` is the material of a group of it.
+fn set_apart<'a>(scene: &mut Scene, glass: impl Fn(usize) -> Option<&'a mtl::Material>) {
+    let groups = std::mem::take(&mut scene.groups);
+    let mut places = Vec::new();
+    let mut kept = Vec::new();
+    for (index, group) in groups.iter().enumerate() {
+        places.push(kept.len());
+        if glass(index).is_none() {
+            kept.push(group.clone());
+        }
+    }
+    scene.groups = kept;
+    for object in std::mem::take(&mut scene.objects) {
+        let Object { group, mesh, .. } = object;
+        if let Some(mtl) = glass(group) {
+            let (material, glass) = (groups[group].name.clone(), Some(glass::on(mtl, &mesh)));
+            scene.ungrouped.push(Ungrouped { material, mesh, glass });
+        } else {
+            scene.objects.push(Object { name: object.name, group: places[group], mesh });
+        }
+    }
 }
 
 /// The name of the group of faces that name none: no other group has it.
@@ -190,10 +236,11 @@ fn warn_of_assumed(
     }
 }
 
-fn warn_of_missing_uvs(scene: &Scene, warnings: &mut Warnings) {
+fn warn_of_missing_uvs(scene: &Scene, details: &[Detail], warnings: &mut Warnings) {
     for Object { name, group, mesh } in &scene.objects {
+        let has_detail = !details[*group].is_none();
         let group = &scene.groups[*group];
-        if mesh.uvs.is_empty() && group.material.texture.is_some() {
+        if mesh.uvs.is_empty() && (has_detail || group.material.texture.is_some()) {
             warnings.push(format!(
                 "object \"{name}\" has no texture coordinates at {} of its triangles for the texture \
                  of \"{}\"; unwrap it and export the scene again.",

@@ -8,15 +8,19 @@ use std::collections::HashMap;
 use std::path::Path;
 use unrender_scene::{Rgb, Warnings};
 
+/// The `illum` of glass and of other refraction.
+const CLEAR: [i32; 4] = [4, 6, 7, 9];
+/// The sentence about maps of heights.
+pub(super) const HEIGHTS: &str = "a map of heights (bump, disp) is not read, as it has no unit: the surface is taken as \
+                                  smooth as its mesh";
+
 const OPAQUE: &str =
     "transparency (d, Tr or a map of it) is not read; the surface is taken as opaque";
-const BUMPS: &str =
-    "a map of bumps or normals (bump, disp, norm) is not read; the surface is taken as it is";
+const NORMALS: &str = "a normal map in tangent space, y upwards in the picture";
+const HOLES: &str = "holes where the picture's alpha, or else its luminance, is below a half";
 const MIRRORED: &str = "a reflected picture (refl) is not read";
 const PBR: &str =
     "the roughness, metal, sheen and coat of Pr, Pm, Ps and Pc are not read; Kd, Ks and Ns count";
-const CLEAR: &str = "how transparent surfaces refract and transmit; the warning of d, Tr or illum \
-covers it";
 
 /// All words of MTL, in small letters or large ones, and how they are taken; for those warned of, the warning.
 /// Words that are read may still cause a warning, if their numbers mean something that is not read.
@@ -26,29 +30,33 @@ pub(super) const WORDS: [Word; 43] = [
     read("Ks", "the specular reflectance, unless illum is 0 or 1"),
     read("Ke", "the emitted radiance"),
     near("Ns", "the width of the lobe: alpha = sqrt(2 / (Ns + 2)), as wide as Blinn and Phong's"),
-    read("illum", "0 and 1: nothing specular; 2, 3, 5, 8 and 10: as without it"),
+    read(
+        "illum",
+        "0 and 1: nothing specular; 2, 3, 5, 8 and 10: as without it; 4, 6, 7 and 9 with d below 1, Tr above 0 or a Tf: smooth \
+         glass",
+    ),
     read("map_Kd", "a picture that Kd multiplies, repeated over the texture coordinates"),
     passed("Ka", "light all around in a picture without shadows; no part of the reflectance"),
     passed("map_Ka", "light all around in a picture without shadows; no part of the reflectance"),
-    passed("Ni", CLEAR),
+    read("Ni", "the refractive index of glass; 1.5 without one, or where it is 1"),
     passed("sharpness", "how sharp reflected pictures are"),
-    passed("Tf", CLEAR),
+    read("Tf", "what glass leaves of light that passes it"),
     passed("map_aat", "how a program smooths the picture's edges"),
     told("d", OPAQUE),
     told("Tr", OPAQUE),
-    told("map_d", OPAQUE),
+    read("map_d", HOLES),
     told("map_Tr", OPAQUE),
-    told("map_opacity", OPAQUE),
+    read("map_opacity", HOLES),
     told("map_Ke", "map_Ke is not read; the surface emits Ke all over"),
     told("map_Ks", "map_Ks is not read; the specular part is Ks all over"),
     told("map_Ns", "map_Ns is not read; the roughness is that of Ns all over"),
-    told("bump", BUMPS),
-    told("map_bump", BUMPS),
-    told("map_disp", BUMPS),
-    told("map_Kn", BUMPS),
-    told("map_norm", BUMPS),
-    told("disp", BUMPS),
-    told("norm", BUMPS),
+    told("bump", HEIGHTS),
+    told("map_bump", HEIGHTS),
+    told("map_disp", HEIGHTS),
+    read("map_Kn", NORMALS),
+    read("map_norm", NORMALS),
+    told("disp", HEIGHTS),
+    read("norm", NORMALS),
     told("refl", MIRRORED),
     told("map_refl", MIRRORED),
     told("decal", "a decal is not read"),
@@ -66,12 +74,12 @@ pub(super) const WORDS: [Word; 43] = [
     told("anisor", "anisor is not read; the highlight is taken as round"),
 ];
 
-/// The `illum` of glass and of other refraction.
-const GLASS: [i32; 4] = [4, 6, 7, 9];
 const GLASS_TOLD: Word = told(
     "illum 4",
-    "illum 4, 6, 7 and 9 (glass, refraction) are not read; the surface is taken as opaque, of Kd and Ks",
+    "illum 4, 6, 7 and 9 (glass, refraction) are not read without d, Tr or Tf; the surface is taken as opaque, of Kd and Ks",
 );
+const NORMALS_TOLD: Word =
+    read("bump of a normal map", "as norm: its mean is that of the colour of flat normals");
 const EXTRA: Word = told("Kd 1 1 1 1", "numbers after the third one of a colour were passed over");
 const SPECTRAL: Word =
     refused("Kd spectral", "spectral colours are not read: give it red, green and blue");
@@ -84,7 +92,7 @@ const OPTION: Word = refused(
 );
 
 /// Cases that are warned of or refused, of words that are read.
-pub(super) const CASES: [Word; 5] = [GLASS_TOLD, EXTRA, SPECTRAL, XYZ, OPTION];
+pub(super) const CASES: [Word; 6] = [GLASS_TOLD, NORMALS_TOLD, EXTRA, SPECTRAL, XYZ, OPTION];
 
 const TWICE: &str = "the material is defined several times; the last one counts";
 
@@ -106,6 +114,39 @@ pub(super) struct Material {
     pub(super) illum: Option<i32>,
     /// The words after `map_Kd`: options and the name of a file.
     pub(super) map_kd: Option<String>,
+    pub(super) ni: Option<f32>,
+    pub(super) tf: Option<Rgb>,
+    /// Whether `d` or `Tr` says so.
+    pub(super) is_transparent: bool,
+    /// Of normals.
+    pub(super) normals: Option<Map>,
+    /// Of heights, or of normals after all.
+    pub(super) bump: Option<Map>,
+    pub(super) map_d: Option<Map>,
+}
+
+impl Material {
+    /// Whether surfaces of the material are glass. Lamps are not.
+    pub(super) fn is_glass(&self) -> bool {
+        let is_dark = self.ke.is_none_or(|ke| ke.max_element() <= 0.0);
+        let filter = self.tf.unwrap_or(Rgb::ONE);
+        let is_clear = (self.is_transparent || self.tf.is_some()) && filter.max_element() > 0.0;
+        is_dark && is_clear && self.illum.is_some_and(|illum| CLEAR.contains(&illum))
+    }
+}
+
+/// A picture. Two are the same wherever they stand.
+#[derive(Clone, Debug)]
+pub(super) struct Map {
+    /// The words after the statement: options and the name of a file.
+    pub(super) words: String,
+    pub(super) line: usize,
+}
+
+impl PartialEq for Map {
+    fn eq(&self, other: &Self) -> bool {
+        self.words == other.words
+    }
 }
 
 /// A material, its place, and what was not read of it.
@@ -175,14 +216,24 @@ impl Materials {
         Some((&entry.material, &self.files[entry.file]))
     }
 
-    /// Warns of what was not read of the materials called `used`.
-    pub(super) fn tell<'a>(self, used: impl Iterator<Item = &'a str>, warnings: &mut Warnings) {
+    /// Warns of what was not read of the materials called `used`: beyond what is known here, of `more`.
+    pub(super) fn tell<'a>(
+        self,
+        used: impl Iterator<Item = &'a str>,
+        more: &[(String, &'static str, usize)],
+        warnings: &mut Warnings,
+    ) {
         let Self { files, mut unread, entries, missing } = self;
         for file in missing {
             warnings.push(format!("the material file \"{file}\" is missing and was left out"));
         }
         for (name, entry) in used.filter_map(|name| Some((name, entries.get(name)?))) {
-            for (what, line) in &entry.unread {
+            let is_glass = entry.material.is_glass();
+            let is_covered = |what: &str| is_glass && [OPAQUE, GLASS_TOLD.done].contains(&what);
+            for (what, line) in entry.unread.iter().filter(|(what, _)| !is_covered(what)) {
+                unread[entry.file].note(what, *line, Some(name));
+            }
+            for (_, what, line) in more.iter().filter(|(whose, ..)| whose == name) {
                 unread[entry.file].note(what, *line, Some(name));
             }
         }
@@ -256,10 +307,14 @@ impl Entry {
     fn statement(&mut self, line: &Line<'_>) -> Result<(), String> {
         let known = WORDS.iter().find(|entry| entry.name.eq_ignore_ascii_case(line.word()));
         match known {
+            Some(Word { done, .. }) if *done == HEIGHTS => {
+                self.material.bump = map(line).or(self.material.bump.take());
+            }
             Some(Word { name, taken: Taken::Read | Taken::Approximated, .. }) => {
                 return self.read(name, line);
             }
             Some(Word { name, taken: Taken::WarnedOf, done }) if !is_neutral(name, line) => {
+                self.material.is_transparent |= matches!(*name, "d" | "Tr");
                 note(&mut self.unread, done, line);
             }
             Some(_) => {}
@@ -279,17 +334,28 @@ impl Entry {
             "illum" => {
                 let illum = number(line)? as i32;
                 material.illum = Some(illum);
-                if GLASS.contains(&illum) {
+                if CLEAR.contains(&illum) {
                     note(&mut self.unread, GLASS_TOLD.done, line);
                 }
             }
             "map_Kd" => {
                 material.map_kd = Some(line.rest().to_owned()).filter(|rest| !rest.is_empty());
             }
+            // Of no use without glass, so what is no number there does not matter.
+            "Ni" => material.ni = number(line).ok().map(|ni| ni as f32),
+            "Tf" => material.tf = colour(line, &mut Vec::new()).ok(),
+            "map_Kn" | "map_norm" | "norm" => material.normals = map(line),
+            "map_d" | "map_opacity" => material.map_d = map(line),
             _ => note(&mut self.unread, &unknown(word), line),
         }
         Ok(())
     }
+}
+
+/// The map that `line` names, if any.
+fn map(line: &Line<'_>) -> Option<Map> {
+    let words = line.rest().to_owned();
+    (!words.is_empty()).then_some(Map { words, line: line.number })
 }
 
 fn note(unread: &mut Vec<(String, usize)>, what: &str, line: &Line<'_>) {
@@ -379,7 +445,7 @@ mod tests {
         let text = "newmtl a\nd 1.000\nTr 0\nPm 0\naniso 0\nmap_Ke\nbump \nillum 3\n";
         materials.file("a.mtl", text.as_bytes()).unwrap();
         let mut warnings = Warnings::default();
-        materials.tell(["a"].into_iter(), &mut warnings);
+        materials.tell(["a"].into_iter(), &[], &mut warnings);
         assert_eq!(warnings.0, [""; 0]);
     }
 

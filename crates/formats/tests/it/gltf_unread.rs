@@ -4,7 +4,7 @@ use crate::support::{Folder, changed, glb, triangle_bytes, triangle_json};
 use glam::{Vec2, Vec3};
 use serde_json::{Map, Value, json};
 use unrender_formats::load_scene;
-use unrender_scene::{Rgb, Scene, Warnings};
+use unrender_scene::{Glass, Rgb, Scene, Warnings};
 
 fn load(json: &Value, bin: &[u8]) -> (Scene, Warnings) {
     let folder = Folder::new();
@@ -57,6 +57,7 @@ pub(crate) fn everything() -> Value {
         ("KHR_materials_specular", json!({ "specularFactor": 0.5 })),
         ("KHR_materials_anisotropy", json!({ "anisotropyStrength": 0.5 })),
         ("KHR_materials_transmission", json!({ "transmissionFactor": 0 })),
+        ("KHR_materials_volume", json!({ "thicknessFactor": 0 })),
         ("KHR_materials_clearcoat", json!({ "clearcoatFactor": 0 })),
     ] {
         material["extensions"][name] = value;
@@ -134,12 +135,8 @@ fn what_changes_the_looks_of_things_is_told_by_name() {
     one(told(attribute("VELOCITY")), "attribute VELOCITY is not read");
     assert_eq!(told(attribute("TEXCOORD_3")), [""; 0]);
     assert_eq!(told(attribute("_BATCH")), [""; 0]);
-    one(
-        told(material("normalTexture", json!({ "index": 0 }))),
-        "group \"lamp\": the normalTexture is not read",
-    );
     one(told(material("occlusionTexture", json!({ "index": 0 }))), "occlusionTexture is not read");
-    one(told(material("alphaMode", json!("BLEND"))), "is transparent");
+    one(told(material("alphaMode", json!("BLEND"))), "is transparent all over");
     one(told(|json| json["animations"] = json!([{}])), "Animations were ignored");
     let extension = |name: &'static str, value: Value| {
         told(move |json| json["materials"][0]["extensions"][name] = value)
@@ -358,29 +355,30 @@ fn with_a_pane(json: &mut Value, through: f64) {
 }
 
 #[test]
-fn what_lets_light_through_is_left_out_with_one_line() {
+fn what_lets_light_through_is_glass_told_with_one_line() {
     let mut json = triangle_json();
     with_a_pane(&mut json, 0.9);
     let (scene, warnings) = load(&json, &triangle_bytes());
-    assert_eq!(scene.materials_left_out(), ["pane"]);
-    assert_eq!(scene.left_out[0].mesh.triangles.len(), 1);
+    assert_eq!(scene.ungrouped_materials(), ["pane"]);
+    assert_eq!(scene.ungrouped[0].mesh.triangles.len(), 1);
+    assert_eq!(scene.ungrouped[0].glass, Some(Glass::solid(1.5)));
     assert_eq!((scene.objects.len(), scene.groups.len()), (1, 1));
     assert_eq!(warnings.0.len(), 1, "{warnings:?}");
-    assert!(warnings.0[0].contains("\"pane\" lets light through"), "{warnings:?}");
+    assert!(warnings.0[0].contains("\"pane\" is glass"), "{warnings:?}");
     let mut json = triangle_json();
     with_a_pane(&mut json, 0.0);
     let (scene, warnings) = load(&json, &triangle_bytes());
-    assert!(scene.left_out.is_empty() && scene.groups.len() == 2, "{warnings:?}");
+    assert!(scene.ungrouped.is_empty() && scene.groups.len() == 2, "{warnings:?}");
 }
 
 #[test]
 fn what_many_groups_lack_is_told_once() {
     let mut json = triangle_json();
     with_a_pane(&mut json, 0.0);
-    for material in json["materials"].as_array_mut().unwrap() {
-        material["normalTexture"] = json!({ "index": 0 });
+    for primitive in json["meshes"][0]["primitives"].as_array_mut().unwrap() {
+        primitive["attributes"]["COLOR_0"] = json!(1);
     }
     let (_, warnings) = load(&json, &triangle_bytes());
-    let told: Vec<_> = warnings.0.iter().filter(|told| told.contains("normalTexture")).collect();
+    let told: Vec<_> = warnings.0.iter().filter(|told| told.contains("vertex colours")).collect();
     assert!(told.len() == 1 && told[0].contains("groups \"lamp\", \"pane\""), "{warnings:?}");
 }

@@ -238,7 +238,8 @@ fn common_primitives_of_radiance_are_read() {
     assert_round(&scene, "plate", PI * 3.0, |p| (p.y - 1.0).abs() < 1e-5);
     assert_round(&scene, "hollow", 4.0 * PI, |p| (p.distance(Vec3::Y) - 1.0).abs() < 1e-5);
     assert_eq!(warnings.0.len(), 1, "{warnings:?}");
-    assert!(warnings.0[0].starts_with("part.rad, line 8: the glass \"pane\""), "{warnings:?}");
+    assert!(warnings.0[0].starts_with("\"pane\" is glass"), "{warnings:?}");
+    assert_eq!((scene.ungrouped.len(), scene.ungrouped[0].mesh.triangles.len()), (1, 1));
 }
 
 #[test]

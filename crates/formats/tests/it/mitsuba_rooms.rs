@@ -3,7 +3,7 @@
 use crate::support::Folder;
 use glam::Vec3;
 use unrender_formats::load_model;
-use unrender_scene::{Environment, Group, LightKind, Rgb, Scene, Warnings};
+use unrender_scene::{Environment, Glass, Group, LightKind, Rgb, Scene, Warnings};
 
 /// What is read of a scene with `inside`, of this version.
 fn read(version: &str, inside: &str) -> Result<(Scene, Warnings), String> {
@@ -119,7 +119,7 @@ fn a_coating_darkens_what_it_coats() {
     close(wall.rho_s, [f0; 3]);
     assert!(wall.rho_d.x > 0.1 && wall.rho_d.x < 0.25, "{}", wall.rho_d);
     close(group(&scene, "metal").material.rho_s, [(1.0 - f0).powi(2); 3]);
-    assert_eq!(scene.materials_left_out(), ["glass"]);
+    assert_eq!(scene.ungrouped_materials(), ["glass"]);
     assert!(!wall.reflectance.is_free());
     assert_eq!(told(&warnings, "coating").len(), 1, "{warnings:?}");
 }
@@ -147,8 +147,8 @@ fn a_metal_may_have_an_index_below_zero() {
 }
 
 #[test]
-fn glass_is_left_out_with_one_line_wherever_it_stands() {
-    let glass = "<bsdf type=\"dielectric\"><float name=\"intIOR\" value=\"1.5\"/></bsdf>";
+fn glass_is_told_with_one_line_wherever_it_stands() {
+    let glass = "<bsdf type=\"dielectric\"><float name=\"int_ior\" value=\"1.5\"/></bsdf>";
     let thin =
         format!("<bsdf type=\"twosided\">{}</bsdf>", glass.replace("dielectric", "thindielectric"));
     let rough = glass.replace("dielectric", "roughdielectric");
@@ -167,19 +167,34 @@ fn glass_is_left_out_with_one_line_wherever_it_stands() {
     let inside = inner.concat()
         + "<shape type=\"obj\"><string name=\"filename\" value=\"models/leg.obj\"/><ref id=\"a\"/></shape>";
     let (scene, warnings) = read("3.0.0", &inside).unwrap();
-    assert_eq!(scene.materials_left_out(), ["a", "b", "c", "d", "e", "f"]);
-    assert_eq!(scene.left_out.len(), 7);
+    assert_eq!(scene.ungrouped_materials(), ["a", "b", "c", "d", "e", "f"]);
+    assert_eq!(scene.ungrouped.len(), 7);
     assert_eq!(scene.objects.len(), 1);
     assert_eq!(scene.groups.iter().map(|group| group.name.as_str()).collect::<Vec<_>>(), ["wall"]);
-    assert_eq!(warnings.0.len(), 1, "{warnings:?}");
-    assert!(
-        warnings.0[0].contains("\"a\", \"b\", \"c\", \"d\", \"e\", \"f\" let light through"),
-        "{warnings:?}"
-    );
+    let all = "\"a\", \"b\", \"c\", \"d\", \"e\", \"f\" are glass: they are rendered as the file says, smooth, and not recovered";
+    for (words, count) in [
+        (all, 1),
+        ("material \"c\": its bumpmap was left out", 1),
+        ("materials \"c\", \"e\": it is rough, but was taken as smooth", 1),
+        ("material \"d\": its mask was left out", 1),
+        ("material \"e\": its spec_trans is below one", 1),
+        ("material \"f\": it is blended with another BSDF", 1),
+        ("", 6),
+    ] {
+        assert_eq!(told(&warnings, words).len(), count, "{words}: {warnings:?}");
+    }
+    let glasses: Vec<Glass> = scene.ungrouped.iter().map(|shape| shape.glass.unwrap()).collect();
+    let bodies: Vec<bool> = glasses.iter().map(|glass| !glass.is_thin).collect();
+    assert_eq!(bodies, [true, false, true, true, true, true, false], "only the last one is open");
+    for (glass, ior) in glasses.iter().zip([1.5f32; 4]) {
+        assert!((glass.ior - ior / 1.000_277).abs() < 1e-6 && glass.tint == Rgb::ONE, "{glass:?}");
+    }
+    assert!((glasses[4].ior - 1.5).abs() < 1e-5, "{:?}", glasses[4]);
+    close(glasses[4].tint, [0.5f32.sqrt(); 3]);
     // A lamp of glass still shines.
     let lamp = format!("<shape type=\"sphere\">{glass}<emitter type=\"area\"/></shape>");
     let (scene, _) = read("3.0.0", &lamp).unwrap();
-    assert!(scene.left_out.is_empty() && scene.groups[0].is_emitter());
+    assert!(scene.ungrouped.is_empty() && scene.groups[0].is_emitter());
 }
 
 #[test]

@@ -44,8 +44,9 @@ const QUALITY: BvhBuildParams = BvhBuildParams {
     ..BvhBuildParams::medium_build()
 };
 
-/// The tree over `triangles`, at least one, and the lower and upper corner of their bounding box.
-pub(super) fn build(triangles: &[[Vec3; 3]]) -> (Tree, [Vec3; 2]) {
+/// The tree over `triangles`, at least one, whose indices in the scene are `ids`, and the lower and upper corner of their
+/// bounding box.
+pub(super) fn build(triangles: &[[Vec3; 3]], ids: &[u32]) -> (Tree, [Vec3; 2]) {
     let primitives = Primitives::new(triangles);
     let bounded = primitives.bounded();
     let binary = if degenerate::is_degenerate(&bounded) {
@@ -59,6 +60,7 @@ pub(super) fn build(triangles: &[[Vec3; 3]]) -> (Tree, [Vec3; 2]) {
         binary: &binary,
         primitives: &primitives,
         triangles,
+        ids,
         tree: Tree::default(),
     };
     collapse.node(&Subtree::Below(0), 0);
@@ -180,6 +182,8 @@ struct Collapse<'a> {
     primitives: &'a Primitives,
     costs: Costs,
     triangles: &'a [[Vec3; 3]],
+    /// Their indices in the scene.
+    ids: &'a [u32],
     tree: Tree,
 }
 
@@ -259,7 +263,8 @@ impl Collapse<'_> {
     fn leaf(&mut self, subtree: &Subtree) -> ChildRef {
         let first = self.tree.blocks.len();
         for four in self.ids(subtree).chunks(4) {
-            let block: Vec<_> = four.iter().map(|&id| (id, self.triangles[id as usize])).collect();
+            let one = |at: usize| (self.ids[at], self.triangles[at]);
+            let block: Vec<_> = four.iter().map(|&at| one(at as usize)).collect();
             self.tree.blocks.push(Triangles4::new(&block));
         }
         ChildRef::leaf(first, self.tree.blocks.len() - first)

@@ -26,7 +26,7 @@ pub use woop::clearance;
 pub(crate) use woop::front_normal;
 
 use glam::Vec3;
-use tree::Tree;
+use tree::{Node, Tree};
 
 /// A ray from `origin` along the unit vector `direction`, up to the distance `t_max`.
 #[derive(Clone, Copy, Debug)]
@@ -88,9 +88,20 @@ impl Kernel {
 }
 
 impl Accel {
-    /// Builds the hierarchy over `triangles`, at least one.
+    /// Builds the hierarchy over all of `triangles`, at least one.
     pub fn build(triangles: &[[Vec3; 3]]) -> Self {
-        let (tree, bounds) = build::build(triangles);
+        let ids: Vec<u32> = (0..triangles.len() as u32).collect();
+        Self::of(triangles, &ids)
+    }
+
+    /// Builds the hierarchy over those of `triangles` with the indices `ids`, by which hits name them. Without any, no ray
+    /// hits anything.
+    pub(crate) fn of(triangles: &[[Vec3; 3]], ids: &[u32]) -> Self {
+        let own: Vec<_> = ids.iter().map(|&id| triangles[id as usize]).collect();
+        let (tree, bounds) = match own.is_empty() {
+            true => (Tree { nodes: vec![Node::EMPTY], blocks: Vec::new() }, [Vec3::ZERO; 2]),
+            false => build::build(&own, ids),
+        };
         Self { tree, bounds, kernel: Kernel::best() }
     }
 

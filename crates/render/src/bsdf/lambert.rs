@@ -21,3 +21,12 @@ pub fn sample(u: [f32; 2]) -> Vec3 {
 pub fn pdf(wi: Vec3) -> f32 {
     wi.z.max(0.0) * FRAC_1_PI
 }
+
+/// The factor on light from `wi` to bumps that shade themselves on a mesh of the normal `mesh`, unit vectors in the frame of
+/// the bumps. With `g = (n . wi) / ((b . wi)(n . b))`, of the normals `n` of the mesh and `b` of the bumps, and `g` below one
+/// it is `g + g^2 - g^3`, so that it fades out where light grazes the mesh [Conty Estevez et al. 2019].
+#[inline]
+pub fn lit(mesh: Vec3, wi: Vec3) -> f32 {
+    let g = mesh.dot(wi) / (wi.z * mesh.z);
+    if g < 1.0 { (g + g * g - g * g * g).max(0.0) } else { 1.0 }
+}

@@ -67,6 +67,8 @@ pub struct Bsdf<'a> {
     specular_share: f32,
     /// Guides the sampling of the diffuse term, beside the cosine.
     guide: &'a VmfMixture,
+    /// The normal of the mesh below bumps that shade themselves, in the anisotropy frame.
+    mesh: Option<Vec3>,
 }
 
 /// A direction drawn from a [`Bsdf`].
@@ -101,7 +103,7 @@ impl<'a> Bsdf<'a> {
     pub fn with(rho_d: Rgb, rho_s: Rgb, specular: Specular) -> Self {
         let (coat, guide) = (Coat::Free, &VmfMixture::NONE);
         let specular_share = specular_share(rho_d, rho_s, specular);
-        Self { rho_d, rho_s, specular, coat, specular_share, guide }
+        Self { rho_d, rho_s, specular, coat, specular_share, guide, mesh: None }
     }
 
     /// The same BRDF over another base.
@@ -113,6 +115,27 @@ impl<'a> Bsdf<'a> {
     /// The same BRDF, with the sampling of its diffuse term guided by `guide`, given in its frame.
     pub fn guided_by(self, guide: &'a VmfMixture) -> Self {
         Self { guide, ..self }
+    }
+
+    /// The same BRDF on bumps that shade themselves, where `mesh` is the unit normal of the mesh below, in its frame.
+    pub fn bumped(self, mesh: Vec3) -> Self {
+        Self { mesh: Some(mesh), ..self }
+    }
+
+    /// The normal of [`Bsdf::bumped`].
+    pub fn mesh(&self) -> Option<Vec3> {
+        self.mesh
+    }
+
+    /// Whether it is the same in all directions.
+    pub fn is_lambertian(&self) -> bool {
+        self.specular == Specular::None && self.mesh.is_none()
+    }
+
+    /// The factor of the base for light from `wi`: one, but for bumps that shade themselves.
+    #[inline]
+    fn lit(&self, wi: Vec3) -> f32 {
+        self.mesh.map_or(1.0, |mesh| lambert::lit(mesh, wi))
     }
 
     /// True if the surface reflects nothing.
@@ -154,7 +177,7 @@ impl<'a> Bsdf<'a> {
         if wo.z <= 0.0 || wi.z <= 0.0 {
             return (Rgb::ZERO, 0.0);
         }
-        let value = self.rho_d * (lambert::VALUE * self.coat.base(wo.z, wi.z));
+        let value = self.rho_d * (lambert::VALUE * self.coat.base(wo.z, wi.z) * self.lit(wi));
         let pdf = (1.0 - self.specular_share) * lambert::pdf(wi);
         match self.specular {
             Specular::Glossy(lobe) => {
@@ -171,7 +194,8 @@ impl<'a> Bsdf<'a> {
     #[inline]
     pub fn terms(&self, rho_d: Rgb, wo: Vec3, wi: Vec3) -> Terms {
         let Base { factor, by_alpha: base_by_alpha } = self.coat.base_slope(wo.z, wi.z);
-        let by_rho_d = lambert::VALUE * factor;
+        let lit = self.lit(wi);
+        let by_rho_d = lambert::VALUE * factor * lit;
         let base = Terms { value: rho_d * by_rho_d, by_rho_d, ..Terms::default() };
         let Specular::Glossy(lobe) = self.specular else { return base };
         let LobeDerivatives { value, by_alpha_x, by_alpha_y, by_theta } = lobe.derivatives(wo, wi);
@@ -188,7 +212,7 @@ impl<'a> Bsdf<'a> {
             return terms;
         }
         // The coat knows the mean roughness alone, whose derivatives by the two are these.
-        let by_mean = rho_d * (lambert::VALUE * base_by_alpha) + factor.by_alpha * value;
+        let by_mean = rho_d * (lambert::VALUE * base_by_alpha * lit) + factor.by_alpha * value;
         let [by_x, by_y] = lobe.mean_alpha_slopes();
         Terms {
             by_alpha_x: terms.by_alpha_x + by_mean * by_x,

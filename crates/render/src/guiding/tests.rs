@@ -148,7 +148,21 @@ fn wall(point: Vec3) -> Surface {
     let frame = Frame::new(Vec3::Z, Vec3::X, true);
     let (geometric_normal, uv) = (Vec3::Z, glam::Vec2::ZERO);
     let (triangle, object, group, front, clearance) = (0, 9, 9, true, 0.0);
-    Surface { point, triangle, object, group, front, geometric_normal, clearance, frame, uv }
+    let (to_viewer, mesh_normal, shades_itself) = (geometric_normal, frame.normal, false);
+    Surface {
+        point,
+        triangle,
+        object,
+        group,
+        front,
+        geometric_normal,
+        clearance,
+        frame,
+        uv,
+        to_viewer,
+        mesh_normal,
+        shades_itself,
+    }
 }
 
 #[test]

@@ -20,7 +20,7 @@ use super::{CHUNK, Jacobian, Plan, plan};
 use crate::appearance::{Appearance, LightSource};
 use crate::bsdf::BsdfSample;
 use crate::camera_sample::camera_ray;
-use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex};
+use crate::path::{DirectLight, Emission, PathObserver, Transport, Vertex, Way};
 use crate::query::{Parameter, Query};
 use crate::radiance_cache::{CacheLookup, Cached, RadianceCache};
 use crate::settings::Settings;
@@ -58,6 +58,8 @@ enum Event {
     Vertex,
     /// The same where the surface has texture coordinates: `wo`, `uv`.
     TexturedVertex,
+    /// It has bumps that shade themselves: the normal of the mesh below.
+    Bumps,
     /// A light sample of a source contributes: where it comes from, and what arrives.
     Light,
     /// It comes by way of a mirror of a group: the cosine there.
@@ -66,6 +68,8 @@ enum Event {
     Bounce,
     /// It goes on as from a perfect mirror: the factor on the reflectance.
     Reflection,
+    /// Glass on the way: its colour.
+    Glass,
     /// The path hits what a source emits: what arrives.
     Emission,
     /// The path ends in the cache, at a pixel of it.
@@ -73,15 +77,17 @@ enum Event {
 }
 
 impl Event {
-    const ALL: [Self; 10] = [
+    const ALL: [Self; 12] = [
         Self::Pixel,
         Self::Path,
         Self::Vertex,
         Self::TexturedVertex,
+        Self::Bumps,
         Self::Light,
         Self::Mirrors,
         Self::Bounce,
         Self::Reflection,
+        Self::Glass,
         Self::Emission,
         Self::Cached,
     ];
@@ -265,6 +271,10 @@ impl PathObserver for Recorder {
             self.number(uv.x);
             self.number(uv.y);
         }
+        if let Some(mesh) = at.bsdf.mesh() {
+            self.event(Event::Bumps, 0);
+            self.direction(mesh);
+        }
     }
 
     #[inline]
@@ -287,6 +297,15 @@ impl PathObserver for Recorder {
             self.event(Event::Reflection, 0);
         }
         self.number(tape::scale(at, sample, survival));
+    }
+
+    #[inline]
+    fn record_glass(&mut self, way: &Way) {
+        let filter = way.passage.filter;
+        if filter != Rgb::ONE {
+            self.event(Event::Glass, 0);
+            self.numbers(filter);
+        }
     }
 
     #[inline]
@@ -365,6 +384,7 @@ impl Reader<'_> {
                     let uv = Vec2::new(self.number(), self.number());
                     tape.vertex(index, uv, wo);
                 }
+                Event::Bumps => tape.bumps(self.direction()),
                 Event::Mirrors => passed.push(Passed { group: index, cos: self.number() }),
                 Event::Light => {
                     let (source, wi) = (self.source(index), self.direction());
@@ -376,6 +396,7 @@ impl Reader<'_> {
                     tape.bounce(wi, self.number());
                 }
                 Event::Reflection => tape.reflection(self.number()),
+                Event::Glass => tape.glass(self.numbers()),
                 Event::Emission => {
                     let source = self.source(index);
                     tape.emission(source, self.numbers());

@@ -1,9 +1,9 @@
 //! The tape: records one path forwards and differentiates it backwards.
 
-use super::plan::{Plan, Slot};
+use super::plan::{GroupPlan, Plan, Slot};
 use crate::appearance::LightSource;
 use crate::bsdf::{BsdfSample, Terms};
-use crate::path::{DirectLight, Emission, PathObserver, Vertex};
+use crate::path::{DirectLight, Emission, PathObserver, Vertex, Way};
 use crate::radiance_cache::Cached;
 use crate::virtual_lamps::{MirrorsPassed, Passed};
 use glam::{DVec3, Vec2, Vec3};
@@ -18,6 +18,8 @@ struct Entry {
     throughput: Rgb,
     /// The diffuse reflectance.
     rho_d: Rgb,
+    /// The normal of the mesh below bumps, in that frame.
+    mesh: Option<Vec3>,
     /// The terms of the BRDF in the direction of the path; zero if it ends here.
     terms: Terms,
     /// `cos/pdf` over the probability of surviving Russian roulette.
@@ -28,6 +30,17 @@ struct Entry {
     direct: Rgb,
     /// The emission that the path hits next.
     emitted: Rgb,
+    /// The colour of the glass on the way there.
+    filter: Rgb,
+}
+
+impl Entry {
+    /// The terms of the BRDF of its `group` for light from `wi`.
+    #[inline]
+    fn terms(&self, group: &GroupPlan<'_>, wi: Vec3) -> Terms {
+        let bsdf = self.mesh.map_or(group.bsdf, |mesh| group.bsdf.bumped(mesh));
+        bsdf.terms(self.rho_d, self.wo, wi)
+    }
 }
 
 /// Light that a light sample brings to a vertex.
@@ -84,12 +97,22 @@ impl<'a> Tape<'a> {
             wo: plan.rotated(wo),
             throughput: self.throughput,
             rho_d: plan.material.rho_d_at(uv),
+            mesh: None,
             terms: Terms::default(),
             scale: 0.0,
             weight: Rgb::ZERO,
             direct: Rgb::ZERO,
             emitted: Rgb::ZERO,
+            filter: Rgb::ONE,
         });
+    }
+
+    /// The vertex has bumps that shade themselves, on a mesh of the normal `mesh`.
+    #[inline]
+    pub(super) fn bumps(&mut self, mesh: Vec3) {
+        if let Some(entry) = self.entries.last_mut() {
+            entry.mesh = Some(self.plan.groups[entry.group as usize].rotated(mesh));
+        }
     }
 
     /// A light sample along `wi` contributes at the vertex.
@@ -97,7 +120,7 @@ impl<'a> Tape<'a> {
     pub(super) fn light(&mut self, wi: Vec3, light: &Arriving) {
         let Some(entry) = self.entries.last_mut() else { return };
         let group = &self.plan.groups[entry.group as usize];
-        let terms = group.bsdf.terms(entry.rho_d, entry.wo, group.rotated(wi));
+        let terms = entry.terms(group, group.rotated(wi));
         let f_cos = terms.value * wi.z;
         let factor = self.plan.brightness(light.source);
         let passed = light.passed.all();
@@ -122,7 +145,7 @@ impl<'a> Tape<'a> {
     pub(super) fn bounce(&mut self, wi: Vec3, scale: f32) {
         let Some(entry) = self.entries.last_mut() else { return };
         let group = &self.plan.groups[entry.group as usize];
-        entry.terms = group.bsdf.terms(entry.rho_d, entry.wo, group.rotated(wi));
+        entry.terms = entry.terms(group, group.rotated(wi));
         self.go_on(scale);
     }
 
@@ -142,6 +165,15 @@ impl<'a> Tape<'a> {
         entry.scale = scale;
         entry.weight = entry.terms.value * scale;
         self.throughput *= entry.weight;
+    }
+
+    /// Glass on the way colours all that follows by `filter`.
+    #[inline]
+    pub(super) fn glass(&mut self, filter: Rgb) {
+        self.throughput *= filter;
+        if let Some(entry) = self.entries.last_mut() {
+            entry.filter = filter;
+        }
     }
 
     /// The path's ray hits what `source` emits; `radiance` times the weight of multiple importance sampling, in the
@@ -172,7 +204,7 @@ impl<'a> Tape<'a> {
         let mut reflected = self.cached;
         for index in (0..self.entries.len()).rev() {
             let entry = &self.entries[index];
-            let arriving = entry.emitted + reflected;
+            let arriving = entry.filter * (entry.emitted + reflected);
             let (group, rho_d, terms) = (entry.group, entry.rho_d, entry.terms);
             let light = entry.throughput * arriving * entry.scale;
             reflected = entry.direct + entry.weight * arriving;
@@ -241,6 +273,7 @@ impl PathObserver for Tape<'_> {
     #[inline]
     fn record_vertex(&mut self, at: &Vertex<'_>) {
         self.vertex(at.surface.group, at.surface.uv, at.wo);
+        at.bsdf.mesh().into_iter().for_each(|mesh| self.bumps(mesh));
     }
 
     #[inline]
@@ -257,6 +290,11 @@ impl PathObserver for Tape<'_> {
         } else {
             self.reflection(scale);
         }
+    }
+
+    #[inline]
+    fn record_glass(&mut self, way: &Way) {
+        self.glass(way.passage.filter);
     }
 
     #[inline]

@@ -5,6 +5,7 @@ use super::{PathObserver, RayHit, Transport, Vertex};
 use crate::accel::{Bundle, Occluders, Ray};
 use crate::emitters::LightSample;
 use crate::surface::Surface;
+use crate::veil::{Passage, Through, Veil};
 use crate::virtual_lamps::{MirrorTrail, MirrorsPassed, Passed, VirtualSample};
 use glam::Vec3;
 use unrender_scene::Rgb;
@@ -12,7 +13,7 @@ use unrender_scene::Rgb;
 /// Shadow rays end at this share of the distance to the light, so that they do not hit the light
 /// itself: about 170 units in the last place. With half of it large lamps may occlude themselves,
 /// with double of it thin objects directly before a lamp are missed.
-const SHADOW_LENGTH: f32 = 1.0 - 1e-5;
+pub(super) const SHADOW_LENGTH: f32 = 1.0 - 1e-5;
 
 /// Light from a light sample that is not occluded.
 pub(crate) struct DirectLight<'a> {
@@ -24,7 +25,7 @@ pub(crate) struct DirectLight<'a> {
     pub(crate) sample: &'a LightSample,
     /// The mirrors on the way.
     pub(crate) passed: MirrorsPassed,
-    /// The product of their reflectances.
+    /// The product of their reflectances, and what glass between them lets through.
     pub(crate) transmittance: Rgb,
     /// The weight of multiple importance sampling.
     pub(crate) mis: f32,
@@ -39,7 +40,7 @@ pub struct VisibleLight {
     /// The density over solid angle; none for punctual lights.
     pub pdf: Option<f32>,
     /// The probability with which a direction drawn as `wi` finds the same light: one, or the product of
-    /// those with which the mirrors on the way reflect as mirrors.
+    /// those with which the mirrors on the way reflect as mirrors, or with which it passes the panes.
     pub by_direction: f32,
 }
 
@@ -52,11 +53,12 @@ struct OpenWay {
 }
 
 impl Transport<'_> {
-    /// The density over solid angle with which light samples at `from` draw what `hit` emits along
-    /// `wi`; zero if nothing does.
-    pub(crate) fn light_pdf(&self, from: &Surface, hit: &RayHit, wi: Vec3) -> f32 {
+    /// The density over solid angle with which light samples at `from` draw what `hit` emits; zero if nothing does, or
+    /// not on a straight way.
+    pub(crate) fn light_pdf(&self, from: &Surface, hit: &RayHit) -> f32 {
+        let wi = hit.way.direction;
         match &hit.surface {
-            _ if hit.emission.radiance == Rgb::ZERO => 0.0,
+            _ if hit.emission.radiance == Rgb::ZERO || !hit.way.is_straight => 0.0,
             Some(surface) => self.triangle_pdf(from, surface, wi),
             None => self.environment_pdf(from, wi),
         }
@@ -77,23 +79,23 @@ impl Transport<'_> {
         self.tracer.emitters.environment_pdf(origin, wi)
     }
 
-    /// The weight of multiple importance sampling of what `hit` emits towards `from` along `wi`, a
-    /// direction that was drawn with the density `pdf`, beside `lights` light samples. Behind a perfect
-    /// mirror, where the density is infinite, `trail` says which other samples may find it.
+    /// The weight of multiple importance sampling of what `hit` emits towards `from`, in a direction that was drawn with
+    /// the density `pdf`, beside `lights` light samples. Behind a perfect mirror, where the density is infinite, `trail`
+    /// says which other samples may find it.
     #[inline]
     pub(crate) fn share_of_direction(
         &self,
         from: &Surface,
         hit: &RayHit,
-        wi: Vec3,
         (pdf, lights): (f32, u32),
         trail: Option<MirrorTrail>,
     ) -> f32 {
         if pdf.is_finite() {
-            return pdf / (pdf + lights as f32 * self.light_pdf(from, hit, wi));
+            let pdf = pdf * hit.way.passage.probability;
+            return pdf / (pdf + lights as f32 * self.light_pdf(from, hit));
         }
         let emitters = &self.tracer.emitters;
-        let surface = hit.surface.as_ref();
+        let (surface, wi) = (hit.surface.as_ref(), hit.way.direction);
         trail.map_or(1.0, |trail| self.virtual_lamps.share_of_path(emitters, &trail, surface, wi))
     }
 
@@ -143,11 +145,15 @@ impl Transport<'_> {
         let wi = at.frame.local_from_world(light.wi);
         let (f, bsdf_pdf) = at.bsdf.value_and_pdf(at.wo, wi);
         let f_cos = f * wi.z;
-        if f_cos.max_element() <= 0.0 || !self.is_visible(origin, light.wi, light.distance) {
+        if f_cos.max_element() <= 0.0 {
             return;
         }
+        let Some(passage) = self.passage(origin, light.wi, light.distance, through(&light)) else {
+            return;
+        };
         let Some(light) = self.tracer.emitters.looked_up(light) else { return };
-        let mis = balance(light.pdf, count, bsdf_pdf);
+        let light = behind_glass(light, &passage);
+        let mis = balance(light.pdf, count, bsdf_pdf * passage.probability);
         let (passed, transmittance) = (MirrorsPassed::default(), Rgb::ONE);
         let sample = &light;
         let light = DirectLight { wi, f_cos, sample, passed, transmittance, mis };
@@ -193,11 +199,13 @@ impl Transport<'_> {
             OpenWay { passed: MirrorsPassed::default(), transmittance: Rgb::ONE, probability: 1.0 };
         let mut ray = Ray::new(origin, sample.wi);
         for (index, place) in sample.places[..sample.count].iter().enumerate() {
-            let hit = self.tracer.accel.closest(&ray)?;
+            let hit = self.tracer.closest(&ray)?;
             if self.tracer.flat_faces.of(hit.triangle) != Some(*place) {
                 return None;
             }
-            let surface = self.tracer.surface_at(&ray, hit);
+            let to_mirror = self.passage(ray.origin, ray.direction, hit.t, through(&sample.light));
+            way.transmittance *= counted(to_mirror?, &sample.light)?;
+            let surface = self.tracer.shapes.surface_at(&ray, hit);
             let bsdf = self.bsdf(&surface).bsdf;
             let cos = -ray.direction.dot(surface.frame.normal);
             way.passed.push(Passed { group: surface.group, cos });
@@ -216,13 +224,9 @@ impl Transport<'_> {
             Some(end) => ((end - ray.origin).normalize(), ray.origin.distance(end)),
             None => (ray.direction, f32::INFINITY),
         };
-        self.is_visible(ray.origin, direction, distance).then_some(way)
-    }
-
-    /// Whether nothing occludes a light at `distance` along `wi` from `origin`.
-    pub(crate) fn is_visible(&self, origin: Vec3, wi: Vec3, distance: f32) -> bool {
-        let t_max = distance * SHADOW_LENGTH;
-        !self.tracer.accel.occluded(&Ray { origin, direction: wi, t_max })
+        let to_light = self.passage(ray.origin, direction, distance, through(&sample.light))?;
+        way.transmittance *= counted(to_light, &sample.light)?;
+        Some(way)
     }
 
     /// The triangles that may occlude the segments between `apex` and the points of `bundle`.
@@ -230,7 +234,8 @@ impl Transport<'_> {
         self.tracer.accel.occluders(apex, bundle)
     }
 
-    /// [`Transport::is_visible`] where the possible `occluders` are known.
+    /// Whether nothing occludes what is at `distance` along `wi` from `origin`, where the opaque `occluders` are known and
+    /// there is no glass.
     pub(crate) fn is_visible_among(
         &self,
         occluders: &Occluders,
@@ -238,19 +243,24 @@ impl Transport<'_> {
         wi: Vec3,
         distance: f32,
     ) -> bool {
-        let t_max = distance * SHADOW_LENGTH;
-        !self.tracer.accel.occluded_among(occluders, &Ray { origin, direction: wi, t_max })
+        let ray = Ray { origin, direction: wi, t_max: distance * SHADOW_LENGTH };
+        let is_open =
+            |veil: &Veil| veil.passage(&self.tracer.shapes, &ray, Through::Panes).is_some();
+        !self.tracer.accel.occluded_among(occluders, &ray)
+            && self.tracer.veil.as_ref().is_none_or(is_open)
     }
 
     /// A light sample at a surface for any BRDF; none if it is occluded.
     pub fn visible_light(&self, at: &Surface, u: [f32; 3]) -> Option<VisibleLight> {
         let origin = at.start();
         let light = self.tracer.emitters.sample(origin, u)?;
-        let visible = at.is_above(light.wi) && self.is_visible(origin, light.wi, light.distance);
-        let light = visible.then(|| self.tracer.emitters.looked_up(light)).flatten()?;
+        let is_above = at.is_above(light.wi);
+        let passage = || self.passage(origin, light.wi, light.distance, through(&light));
+        let passage = is_above.then(passage).flatten()?;
+        let light = behind_glass(self.tracer.emitters.looked_up(light)?, &passage);
         let weight = light.weight * self.brightness(light.source);
         let LightSample { wi, pdf, .. } = light;
-        Some(VisibleLight { wi, weight, pdf, by_direction: 1.0 })
+        Some(VisibleLight { wi, weight, pdf, by_direction: passage.probability })
     }
 
     /// A light sample by way of planar mirrors at a surface, the vertex number `bounce` of a path, for any
@@ -270,6 +280,26 @@ impl Transport<'_> {
         let weight = light.weight * self.brightness(light.source) * way.transmittance;
         Some(VisibleLight { wi, weight, pdf: light.pdf, by_direction: way.probability })
     }
+}
+
+/// The glass that light samples of `light` pass: the bent rays that find lamps through solid glass do not find lights
+/// without an extent.
+#[inline]
+fn through(light: &LightSample) -> Through {
+    if light.pdf.is_some() { Through::Panes } else { Through::All }
+}
+
+/// `light` behind glass.
+#[inline]
+fn behind_glass(light: LightSample, passage: &Passage) -> LightSample {
+    LightSample { weight: light.weight * passage.transmittance(), ..light }
+}
+
+/// What passes on the way of a virtual sample of `light`. Lamps count without any glass on the way alone: with some,
+/// drawn directions find them ([`Transport::share_of_direction`]).
+fn counted(passage: Passage, light: &LightSample) -> Option<Rgb> {
+    let counts = light.pdf.is_none() || passage == Passage::OPEN;
+    counts.then(|| passage.transmittance())
 }
 
 /// The weight by the balance heuristic of one of `count` samples of the density `pdf`, none for light that no direction

@@ -91,11 +91,11 @@ pub(crate) struct PathReuse<'a> {
 
 impl PathReuse<'_> {
     /// The number of independent samples that have the variance of one sample with reuse, estimated
-    /// from a pilot; none where that is less than [`COST`]. Does not depend on the samples of the
-    /// picture.
+    /// from a pilot; none where that is less than [`COST`], or if there is glass, which connections do not know. Does not
+    /// depend on the samples of the picture.
     pub(crate) fn efficiency(&self) -> Option<f64> {
         let tiling = Tiling::new(self.size, (0, 0));
-        if tiling.count() == 0 {
+        if tiling.count() == 0 || self.transport.tracer.has_glass() {
             return None;
         }
         let errors: Vec<[f64; 2]> = (0..PILOT_TILES as u64)
@@ -142,7 +142,7 @@ impl PathReuse<'_> {
     fn sample_pixel(&self, pixel: u32, index: u32) -> Rgb {
         let mut sampler = self.samples.sampler(pixel, index);
         let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
-        self.transport.radiance(&ray, &mut sampler, 0)
+        self.transport.radiance(&ray, &mut sampler)
     }
 
     /// Adds the samples of the allocation to `accumulator`. `progress` is called with the completed

@@ -2,7 +2,7 @@
 //! own.
 
 use crate::accel::Ray;
-use crate::bsdf::{Bsdf, Specular, lambert};
+use crate::bsdf::{Bsdf, lambert};
 use crate::guiding::VmfMixture;
 use crate::path::{LocalBsdf, PathObserver, RadianceSum, Transport, Vertex};
 use crate::path_reuse::reused::ReusableVertex;
@@ -62,7 +62,7 @@ impl Receiver {
         pixel: usize,
         sampler: &mut Sampler,
     ) -> CameraHit {
-        let Some(surface) = transport.surface(ray) else {
+        let Some(surface) = transport.tracer.surface(ray) else {
             return CameraHit::Radiance(transport.environment(ray.direction));
         };
         let local = transport.bsdf(&surface);
@@ -107,10 +107,10 @@ impl Receiver {
             return Contribution { radiance: sum.radiance, reusable: None };
         };
         let trail = transport.trail(None, &self.surface, &bsdf, sample.pdf, lights);
-        let hit = transport.hit(&self.surface, wi);
+        let hit = transport.hit(&self.surface, wi, sampler);
         if hit.emission.radiance != Rgb::ZERO {
             let drawn = (sample.pdf, lights);
-            let mis = transport.share_of_direction(&self.surface, &hit, wi, drawn, trail);
+            let mis = transport.share_of_direction(&self.surface, &hit, drawn, trail);
             sum.record_emission(sample.weight, &hit.emission, mis);
         }
         let radiance = sum.radiance;
@@ -132,7 +132,7 @@ impl Receiver {
 
     /// The geometric and the shading normal, unit vectors.
     pub(super) fn normals(&self) -> [Vec3; 2] {
-        [self.surface.geometric_normal, self.surface.frame.normal]
+        [self.surface.geometric_normal, self.local.frame.normal]
     }
 
     /// The mixture that guides its diffuse term, and the frame that it is given in.
@@ -150,7 +150,7 @@ impl Receiver {
         diffuse_pdf: f32,
     ) -> Option<ReceiverBsdf> {
         let LocalBsdf { bsdf, frame } = &self.local;
-        let (f, pdf) = if bsdf.specular == Specular::None {
+        let (f, pdf) = if bsdf.is_lambertian() {
             (bsdf.rho_d * lambert::VALUE, diffuse_pdf)
         } else {
             self.bsdf().value_and_pdf(self.wo, frame.local_from_world(wi))

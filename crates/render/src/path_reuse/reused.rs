@@ -117,13 +117,13 @@ impl GlossyReflection {
         if !surface.is_above(wi) {
             return;
         }
-        let hit = transport.hit(surface, wi);
+        let hit = transport.hit(surface, wi, sampler);
         let incident = |radiance: Rgb, light_pdf: f32| {
             let light = IncidentLight { wi: sample.wi, radiance, light_pdf, by_bsdf: true };
             (radiance != Rgb::ZERO).then_some(light)
         };
         self.incident[1] =
-            incident(transport.scaled(&hit.emission), transport.light_pdf(surface, &hit, wi));
+            incident(transport.scaled(&hit.emission), transport.light_pdf(surface, &hit));
         if let Some(next) = hit.surface {
             self.incident[2] = incident(transport.reflected(next, -wi, sampler, 2, None), 0.0);
         }

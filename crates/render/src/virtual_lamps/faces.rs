@@ -90,7 +90,7 @@ impl FlatFaces {
     /// The face that a triangle of the scene belongs to.
     #[inline]
     pub(crate) fn of(&self, triangle: u32) -> Option<u16> {
-        Some(self.of_triangle[triangle as usize]).filter(|face| *face != NONE)
+        self.of_triangle.get(triangle as usize).copied().filter(|face| *face != NONE)
     }
 }
 
@@ -124,6 +124,9 @@ fn is_parallel(a: Vec3, b: Vec3) -> bool {
 fn of_object(object: &Object) -> (Vec<FlatFace>, Vec<Option<usize>>) {
     let mesh = &object.mesh;
     let count = mesh.triangles.len();
+    if !mesh.detail.is_none() {
+        return (Vec::new(), vec![None; count]);
+    }
     let mut triangles: Vec<_> = (0..count).filter_map(|i| FlatTriangle::of(mesh, i)).collect();
     // The largest triangles define the planes.
     triangles.sort_by(|a, b| b.area.total_cmp(&a.area));

@@ -7,7 +7,7 @@ use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
 use unrender_restage::remove::{Bearer, Remove};
 use unrender_restage::repaint::{Paint, Repaint};
 use unrender_restage::{Edit, apply};
-use unrender_scene::{LightKind, Rgb, Scene, UpAxis};
+use unrender_scene::{Glass, LightKind, Rgb, Scene, Ungrouped, UpAxis};
 
 const STILL: Alter = Alter { scale: Rgb::ONE, strength: None, shift: Vec3::ZERO, direction: None };
 
@@ -42,6 +42,32 @@ fn objects_are_told_from_those_that_were_there() {
         (added.name.as_str(), scene.groups[added.group].name.as_str()),
         ("box.red", "box.red")
     );
+}
+
+/// A glass is put down where its foot is, counts as a size, and can be taken away again.
+#[test]
+fn glass_is_inserted_and_removed() {
+    let mut insert = insertion(0.3, 0.2);
+    let object = insert.model.objects.remove(0);
+    let glass = Some(Glass::solid(1.5));
+    let tumbler = Ungrouped { material: "tumbler".into(), mesh: object.mesh, glass };
+    insert.model.ungrouped.push(tumbler);
+    insert.scale = 0.5;
+    let mut scene = model();
+    let objects = scene.objects.len();
+    let change = apply(&mut scene, &[Edit::Insert(insert.clone())]).unwrap();
+    assert_eq!(scene.objects.len(), objects);
+    assert_eq!(change.origin.len(), objects);
+    assert_eq!(scene.ungrouped_materials(), ["box.tumbler"]);
+    let points = &scene.ungrouped[0].mesh.positions;
+    let low = points.iter().copied().reduce(Vec3::min).unwrap();
+    assert!(low.y.abs() < 1e-5, "{low}");
+    let again = apply(&mut scene, &[Edit::Insert(insert)]).unwrap_err();
+    assert!(again.problem.contains("is called \"box\" already"), "{again}");
+    apply(&mut scene, &[remove("box.tumbler")]).unwrap();
+    assert!(scene.ungrouped.is_empty());
+    let gone = apply(&mut scene, &[remove("box.tumbler")]).unwrap_err();
+    assert!(gone.problem.contains("has no \"box.tumbler\""), "{gone}");
 }
 
 #[test]

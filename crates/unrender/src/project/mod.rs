@@ -248,12 +248,12 @@ impl Project {
         });
         let named = known.chain(anchor).chain(rungs).chain(ignored).chain(same);
         for (key, name) in named.chain(expected).chain(like) {
-            if scene.left_out.iter().any(|shape| shape.material == *name)
+            if scene.ungrouped.iter().any(|shape| shape.material == *name)
                 && scene.group_index(name).is_none()
             {
                 return fault(format!(
-                    "{key}: \"{name}\" lets light through and is left out of the scene, so it has no reflectance to \
-                     state or to recover; leave it out here, too"
+                    "{key}: \"{name}\" is glass, which is rendered as the scene's file says and not recovered; leave it out \
+                     here"
                 ));
             }
             if scene.group_index(name).is_none() {

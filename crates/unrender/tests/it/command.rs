@@ -64,7 +64,7 @@ fn a_scene_is_rendered_at_its_own_size_and_without_what_is_missing() {
     succeeds(&output);
     let told = String::from_utf8_lossy(&output.stderr);
     assert!(told.contains("\"gone.obj\" is missing"), "{told}");
-    assert_eq!(told.matches("\"dielectric\" lets light through").count(), 1, "{told}");
+    assert_eq!(told.matches("\"dielectric\" is glass").count(), 1, "{told}");
     let (read, _) = picture::read(&out).unwrap();
     assert_eq!((read.values.width(), read.values.height()), (24, 16));
 }

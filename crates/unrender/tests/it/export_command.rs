@@ -67,9 +67,7 @@ fn scenes(folder: &Folder) -> [PathBuf; 2] {
 #[test]
 fn scenes_written_by_hand_are_rendered_and_exported() {
     let folder = Folder::new();
-    for (scene, said) in
-        scenes(&folder).iter().zip(["spots fade linearly", "line 8: the glass \"pane\""])
-    {
+    for (scene, said) in scenes(&folder).iter().zip(["spots fade linearly", "\"pane\" is glass"]) {
         let photo = folder.path("picture.exr");
         let words = ["render", "--height", "30", "--spp", "4"];
         let rendered = unrender(&words, &[("", scene), ("--out", &photo)]);

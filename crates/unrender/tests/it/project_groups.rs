@@ -2,8 +2,13 @@
 //! groups are alike.
 
 use crate::kit::project_text::{are_refused, good};
+use glam::Vec3;
+use std::path::Path;
+use unrender::formats::picture::{Depth, Picture};
+use unrender::job::InMemory;
 use unrender::recover::Expected;
-use unrender::scene::{Group, LeftOut, Material, Mesh, Rgb, Scene};
+use unrender::scene::{Group, Image, Material, Mesh, Object, Rgb, Scene, Ungrouped};
+use unrender::{Job, Project};
 
 #[test]
 fn bounds_and_starts_are_understood() {
@@ -131,11 +136,11 @@ fn names_are_checked_against_the_scene() {
     };
     let groups = vec![group("wall", Rgb::ZERO), group("lamp", Rgb::ONE)];
     let scene = Scene { groups, ..Scene::default() };
-    let pane = LeftOut { material: "pane".into(), mesh: Mesh::default() };
-    let scene = Scene { left_out: vec![pane], ..scene };
+    let pane = Ungrouped { material: "pane".into(), mesh: Mesh::default(), glass: None };
+    let scene = Scene { ungrouped: vec![pane], ..scene };
     let error = |text: &str| good(text).check_against(&scene).unwrap_err().to_string();
     for (text, problem) in [
-        ("[groups.pane]\nrho_d = { max = 0.5 }", "groups.pane: \"pane\" lets light through"),
+        ("[groups.pane]\nrho_d = { max = 0.5 }", "groups.pane: \"pane\" is glass"),
         ("[groups.lamp]\nrho_d = { max = 0.5 }", "groups.lamp: the group emits light"),
         (
             "[groups.floor]\nrho_d = { max = 0.5 }",
@@ -150,4 +155,40 @@ fn names_are_checked_against_the_scene() {
         let told = error(text);
         assert!(told.contains(problem), "{text}: {told}");
     }
+}
+
+/// A lamp that is ignored shines, and what is known beside it is there; other ignored things take no part in the light.
+#[test]
+fn ignored_groups_take_no_part_in_the_light() {
+    let group = |name: &str, emission| Group {
+        name: name.into(),
+        material: Material::diffuse(Rgb::splat(0.5)),
+        emission,
+    };
+    let names = ["wall", "passer-by", "stand", "lamp"];
+    let square = |index: usize| {
+        let z = index as f32;
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)].map(|p| p + z * Vec3::Z);
+        let mesh = Mesh::flat(&corners, &[], &[[0, 1, 2]]);
+        Object { name: names[index].into(), group: index, mesh }
+    };
+    let emissions = [Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::ONE];
+    let scene = Scene {
+        objects: (0..4).map(square).collect(),
+        groups: names.iter().zip(emissions).map(|(name, emission)| group(name, emission)).collect(),
+        ..Scene::default()
+    };
+    let text = "scene = \"s.glb\"\nphoto = \"p.png\"\nexposure = 1\n\
+                camera = { eye = [0,0,9], target = [0,0,0], fov_y_deg = 40 }\n\
+                [groups.passer-by]\nignore = true\n[groups.lamp]\nignore = true\n\
+                [groups.stand]\nignore = true\nknown = { rho_d = 0.2 }\n";
+    let (project, warnings) = Project::parse(Path::new("a.toml"), text).unwrap();
+    let photo = Picture::new(Image::new(4, 4, vec![Rgb::splat(0.5); 16]), Depth::Float);
+    let given = InMemory { scene: Some(scene), photo: Some(photo), mask: None };
+    let job = Job::assemble(project, warnings, given).unwrap();
+    let there: Vec<&str> = job.scene.objects.iter().map(|object| object.name.as_str()).collect();
+    assert_eq!(there, ["wall", "stand", "lamp"]);
+    assert_eq!(job.scene.ungrouped_materials(), ["passer-by"]);
+    assert_eq!(job.scene.ungrouped[0].glass, None);
+    assert_eq!(job.scene.groups.len(), 4);
 }

@@ -55,7 +55,7 @@ def named(thing, item):
     return thing
 
 
-def add_object(scene, item, materials):
+def add_object(scene, item, materials, glasses):
     parent = getattr(bpy.data.objects.get(item["name"]), "parent", None)
     vertices, triangles = read_ply(item["mesh"])
     mesh = bpy.data.meshes.new(item["name"])
@@ -65,7 +65,8 @@ def add_object(scene, item, materials):
         mesh.uv_layers.new(name="map").data.foreach_set("uv", corners)
     mesh.shade_smooth()
     mesh.normals_split_custom_set_from_vertices(z_up(vertices[:, 3:6]).tolist())
-    mesh.materials.append(materials[item["group"]])
+    glass = item.get("glass")
+    mesh.materials.append(materials[item["group"]] if glass is None else glasses[glass])
     thing = named(bpy.data.objects.new(item["name"], mesh), item)
     scene.collection.objects.link(thing)
     if parent is not None:
@@ -131,6 +132,8 @@ def add_material(group):
         parts.append(diffuse)
     if is_free and max(group["rho_s"]) > 0:
         parts.append(shiny(nodes, links, group))
+    if group["normals"]:
+        emboss(nodes, links, parts, group["normals"])
     if max(group["emission"]) > 0:
         strength = max(group["emission"])
         emission = nodes.new("ShaderNodeEmission")
@@ -153,9 +156,97 @@ def add_material(group):
             links.new(shader, add.inputs[1])
             shader = add.outputs[0]
         total = shader
+    if group["holes"]:
+        total = pierced(nodes, links, parts, total, group["holes"])
     if total is not None:
         links.new(total, result.inputs["Surface"])
     return material
+
+
+def emboss(nodes, links, parts, normals):
+    """Gives the shaders the normals of a picture."""
+    bump = nodes.new("ShaderNodeNormalMap")
+    bump.uv_map = "map"
+    links.new(picture_node(nodes, normals).outputs["Color"], bump.inputs["Color"])
+    for part in parts:
+        links.new(bump.outputs["Normal"], part.inputs["Normal"])
+
+
+def pierced(nodes, links, parts, shader, holes):
+    """The shader with holes where a picture lies below its cutoff."""
+    there = nodes.new("ShaderNodeMath")
+    there.operation = "GREATER_THAN"
+    # What lies at the cutoff is there.
+    there.inputs[1].default_value = holes["cutoff"] - 1e-6
+    links.new(picture_node(nodes, holes).outputs["Color"], there.inputs[0])
+    if len(parts) == 1 and "Alpha" in parts[0].inputs:
+        # Exporters know this as a cut-out.
+        links.new(there.outputs[0], parts[0].inputs["Alpha"])
+        return shader
+    mix = nodes.new("ShaderNodeMixShader")
+    links.new(there.outputs[0], mix.inputs["Fac"])
+    links.new(nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[1])
+    if shader is not None:
+        links.new(shader, mix.inputs[2])
+    return mix.outputs[0]
+
+
+def add_glass(glass):
+    material = named(bpy.data.materials.new(glass["name"]), glass)
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    nodes.clear()
+    result = nodes.new("ShaderNodeOutputMaterial")
+    make = pane if glass["is_thin"] else body
+    links.new(make(nodes, links, glass), result.inputs["Surface"])
+    strongest = max(glass["absorption"])
+    if strongest > 0:
+        # It absorbs the density times one minus the colour.
+        absorbing = nodes.new("ShaderNodeVolumeAbsorption")
+        absorbing.inputs["Color"].default_value = (*(1 - a / strongest for a in glass["absorption"]), 1)
+        absorbing.inputs["Density"].default_value = strongest
+        links.new(absorbing.outputs[0], result.inputs["Volume"])
+    return material
+
+
+def body(nodes, links, glass):
+    """Solid glass."""
+    node = nodes.new("ShaderNodeBsdfPrincipled")
+    node.inputs["Base Color"].default_value = (*glass["color"], 1)
+    node.inputs["Transmission Weight"].default_value = 1
+    node.inputs["Roughness"].default_value = 0
+    node.inputs["IOR"].default_value = glass["ior"]
+    return node.outputs[0]
+
+
+def pane(nodes, links, glass):
+    """Both faces of a plate in one: light goes straight on, and 2 r / (1 + r) of it is reflected."""
+    def math(operation, *values):
+        node = nodes.new("ShaderNodeMath")
+        node.operation = operation
+        for place, value in zip(node.inputs, values):
+            if isinstance(value, bpy.types.NodeSocket):
+                links.new(value, place)
+            else:
+                place.default_value = value
+        return node.outputs[0]
+
+    # Seen from the back, the Fresnel node takes one over the refractive index.
+    ior, back = glass["ior"], nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"]
+    fresnel = nodes.new("ShaderNodeFresnel")
+    links.new(math("MULTIPLY_ADD", back, 1 / ior - ior, ior), fresnel.inputs["IOR"])
+    once = fresnel.outputs[0]
+    mix = nodes.new("ShaderNodeMixShader")
+    both = math("DIVIDE", math("MULTIPLY", once, 2.0), math("ADD", once, 1.0))
+    links.new(both, mix.inputs["Fac"])
+    through = nodes.new("ShaderNodeBsdfTransparent")
+    through.inputs["Color"].default_value = (*glass["color"], 1)
+    mirror = nodes.new("ShaderNodeBsdfAnisotropic")
+    mirror.inputs["Color"].default_value = (1, 1, 1, 1)
+    mirror.inputs["Roughness"].default_value = 0
+    links.new(through.outputs[0], mix.inputs[1])
+    links.new(mirror.outputs[0], mix.inputs[2])
+    return mix.outputs[0]
 
 
 def fall_off(light, axis, cos_inner, cos_outer):
@@ -242,8 +333,9 @@ def build():
         data = json.load(file)
     scene = bpy.data.scenes.new("unrender")
     materials = [add_material(group) for group in data["groups"]]
+    glasses = [add_glass(glass) for glass in data["glasses"]]
     for item in data["objects"]:
-        add_object(scene, item, materials)
+        add_object(scene, item, materials, glasses)
     for item in data["lights"]:
         add_light(scene, item)
     cameras = [add_camera(scene, item) for item in data["cameras"]]
@@ -258,8 +350,9 @@ def build():
     cycles.use_denoising = cycles.use_adaptive_sampling = False
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.blur_glossy = 0
-    cycles.caustics_reflective = True
+    cycles.caustics_reflective = cycles.caustics_refractive = True
     cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = 64
+    cycles.transmission_bounces = cycles.transparent_max_bounces = 64
     return scene
 
 

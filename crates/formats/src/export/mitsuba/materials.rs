@@ -1,13 +1,16 @@
 //! Reflectances.
 
+use super::detail::{self, Place};
 use super::{float, reflectance, safe};
-use crate::export::{Files, SceneView, tiling};
+use crate::export::{Files, SceneView, maps, tiling};
+use crate::group_detail;
 use crate::import::mitsuba::plastics::Surface;
 use crate::record::group_note;
 use crate::texels;
+use std::fmt::Write;
 use unrender_scene::{Material, Reflectance, Rgb, Warnings};
 
-/// The reflectance of group `index` as a BSDF called `id`, and the picture that it names.
+/// The reflectance of group `index` as a BSDF called `id`, and the pictures that it names.
 pub(super) fn bsdf(
     shot: &SceneView,
     index: usize,
@@ -15,6 +18,7 @@ pub(super) fn bsdf(
     warnings: &mut Warnings,
 ) -> Result<(String, Files), String> {
     let (name, material) = (&shot.scene.groups[index].name, &shot.materials[index]);
+    let copies = tiling::copies(shot, index);
     let plastic = Plastic::of(material);
     let weight = if plastic.is_some() { 0.0 } else { tiling::specular_share(material) };
     let property = if plastic.is_some() { "diffuse_reflectance" } else { "reflectance" };
@@ -22,16 +26,10 @@ pub(super) fn bsdf(
         |rho: Rgb| plastic.as_ref().map_or(rho / (1.0 - weight), |p| p.surface.reflectance(rho));
     let (mut color, mut files) = (reflectance(property, base(material.rho_d)), Files::new());
     if let Some(texture) = &material.texture {
-        let tile = tiling::tile(texture);
+        let tile = tiling::tile(texture, copies);
         let path = format!("textures/{id}.exr");
-        let image = tile.image.map(|texel| base(*texel));
-        files.push((path.clone(), texels::exr(&image)?));
-        let mode = if tile.clamps { "clamp" } else { "repeat" };
-        color = format!(
-            "<texture type=\"bitmap\" name=\"{property}\">\
-             <string name=\"filename\" value=\"{path}\"/><boolean name=\"raw\" value=\"true\"/>\
-             <string name=\"wrap_mode\" value=\"{mode}\"/></texture>"
-        );
+        files.push((path.clone(), texels::exr(&tile.image.map(|texel| base(*texel)))?));
+        color = detail::bitmap(property, &path, tile.mode(), "");
         warnings.0.extend(tile.doubt.map(|doubt| format!("group \"{name}\": {doubt}")));
         if tiling::is_anisotropic(material) {
             warnings.push(format!(
@@ -53,10 +51,17 @@ pub(super) fn bsdf(
             specular(material, material.rho_s / weight, microfacets)
         ),
     };
-    let text = format!(
-        "    {}\n    <bsdf type=\"twosided\" id=\"{id}\">{inside}</bsdf>\n",
-        safe(&group_note(&shot.scene.groups[index], shot.scene.brdf))
-    );
+    let place = Place { id, name, copies };
+    let found = group_detail::of_group(shot.scene, index);
+    let note = group_note(&shot.scene.groups[index], shot.scene.brdf);
+    let mut text = String::new();
+    for mirrored in [false, true] {
+        // One that no object has is there all the same: it is the group.
+        if !mirrored || maps::has_mirrored(shot.scene, index) {
+            let made = detail::bsdf(&place, (&inside, &found, mirrored), &mut files, warnings)?;
+            let _ = writeln!(text, "    {}\n    {made}", safe(&note));
+        }
+    }
     Ok((text, files))
 }
 

@@ -1,7 +1,7 @@
 //! The light from all around, in Radiance's words: a glow that is a source of 360 degrees, behind a panorama by the
 //! direction of the ray. A glow is found by rays that are reflected, not by those to lamps: `render.sh` follows them.
 
-use super::materials::{place, with_frame};
+use super::pictures::{place, with_frame};
 use super::triple;
 use crate::export::environment::{self, Around};
 use crate::export::{Files, SceneView};

@@ -1,13 +1,19 @@
 //! Materials of Radiance: one for each group, or for each anisotropy direction of an anisotropic one.
 
+use super::holes::Holes;
+use super::pictures::{place, with_frame, within};
 use super::triple;
-use crate::export::identifiers::identifiers;
 use crate::export::{Files, SceneView, anisotropy};
+use crate::group_detail;
 use crate::record::group_note;
 use crate::texels;
 use glam::Vec3;
 use std::fmt::Write;
-use unrender_scene::{Image, Material, Object, Rgb, Texture, Warnings, Wrap};
+use unrender_scene::{Image, Material, Object, Rgb, Texture, Warnings};
+
+/// What Radiance does not show of normal maps.
+const SMOOTH: &str = "normal maps are left out of files for Radiance, whose textures perturb normals by functions of the place; \
+                      model the bumps, or take another format";
 
 /// The names of the groups' materials and what they are made of.
 pub(super) struct Materials<'a> {
@@ -18,13 +24,10 @@ pub(super) struct Materials<'a> {
 }
 
 impl<'a> Materials<'a> {
-    pub(super) fn new(shot: &'a SceneView<'a>) -> Self {
-        let groups = &shot.scene.groups;
-        let mut materials = Self {
-            shot,
-            ids: identifiers("m_", groups.iter().map(|g| g.name.as_str())),
-            directions: vec![Vec::new(); groups.len()],
-        };
+    /// Those of the groups of `shot`, called `ids`.
+    pub(super) fn new(shot: &'a SceneView<'a>, ids: Vec<String>) -> Self {
+        let directions = vec![Vec::new(); shot.scene.groups.len()];
+        let mut materials = Self { shot, ids, directions };
         for object in &shot.scene.objects {
             for index in 0..object.mesh.triangles.len() {
                 let direction = materials.direction(object, index);
@@ -74,10 +77,13 @@ impl<'a> Materials<'a> {
                 warnings.push(format!("group \"{name}\": a lamp reflects nothing in Radiance"));
             }
         }
+        if self.shot.scene.objects.iter().any(|object| object.mesh.detail.normals.is_some()) {
+            warnings.push(SMOOTH);
+        }
     }
 
-    /// `materials.rad` and the pictures that it names.
-    pub(super) fn files(&self) -> Result<Files, String> {
+    /// `materials.rad` and the pictures that it names; `others` stands at its end.
+    pub(super) fn files(&self, others: &str) -> Result<Files, String> {
         let mut files = Files::new();
         let mut text = String::from("# Materials, written by unrender.\n");
         for (index, group) in self.shot.scene.groups.iter().enumerate() {
@@ -94,12 +100,21 @@ impl<'a> Materials<'a> {
                 text.push_str(&color_picture(&pattern, &picture, texture));
                 files.push((picture, texels::hdr(&framed(texture))?));
             }
-            let directions = &self.directions[index];
-            for (number, direction) in directions.iter().enumerate() {
+            let coverage = group_detail::of_group(self.shot.scene, index).coverage;
+            let holes = coverage.map(|coverage| Holes::of(&coverage, id)).transpose()?;
+            for (number, direction) in self.directions[index].iter().enumerate() {
                 let id = if number == 0 { id.clone() } else { format!("{id}.{number}") };
-                text.push_str(&reflectance(&pattern, &id, material, *direction));
+                let Some(holes) = &holes else {
+                    text.push_str(&reflectance(&pattern, &id, material, *direction));
+                    continue;
+                };
+                let inner = format!("{id}.there");
+                text.push_str(&reflectance(&pattern, &inner, material, *direction));
+                text.push_str(&holes.about(&inner, &id));
             }
+            files.extend(holes.map(|holes| holes.picture));
         }
+        text.push_str(others);
         files.push(("materials.rad".into(), text.into_bytes()));
         Ok(files)
     }
@@ -159,32 +174,7 @@ fn color_picture(id: &str, picture: &str, texture: &Texture) -> String {
     format!("void colorpict {id}\n7 red green blue ./{picture} . {across} {up}\n0\n0\n")
 }
 
-/// An expression for `coordinate` within the picture, 0 to 1.
-fn within(coordinate: &str, wrap: Wrap) -> String {
-    match wrap {
-        Wrap::Repeat => format!("frac({coordinate})"),
-        Wrap::MirroredRepeat => format!("(1-abs(2*frac(.5*({coordinate}))-1))"),
-        Wrap::ClampToEdge => format!("if({coordinate},if({coordinate}-1,1,{coordinate}),0)"),
-    }
-}
-
-/// An expression for the place of `within`, 0 to 1, among `texels` texels with one more on each side.
-/// Radiance puts the centres of the outermost texels onto the picture's edges.
-pub(super) fn place(within: &str, texels: usize, shorter: f32) -> String {
-    let side = (texels + 2) as f32 / shorter / (texels + 1) as f32;
-    format!("({within}*{texels}+.5)*{side}")
-}
-
 /// The texture with the texels that lie around it, by which those at its edges are interpolated.
 fn framed(texture: &Texture) -> Image<Rgb> {
     with_frame(&texture.image, [texture.wrap_u, texture.wrap_v])
-}
-
-/// `image` with the texels that lie around it.
-pub(super) fn with_frame(image: &Image<Rgb>, [wrap_u, wrap_v]: [Wrap; 2]) -> Image<Rgb> {
-    let (width, height) = (image.width(), image.height());
-    Image::from_fn(width + 2, height + 2, |x, y| {
-        let column = wrap_u.apply(x as i64 - 1, width);
-        *image.at(column, wrap_v.apply(y as i64 - 1, height))
-    })
 }

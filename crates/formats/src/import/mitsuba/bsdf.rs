@@ -3,27 +3,37 @@
 //! Exact: `diffuse`, `conductor` without a metal, `twosided` and `blendbsdf` of these, and the `ward` of Mitsuba
 //! 0.5. Conductors with a metal, `plastic`, `roughplastic` and `pplastic` are metals and dielectrics
 //! ([`plastics`](super::plastics)) of GGX microfacets; Beckmann's of the same roughness are taken as these, with a warning.
-//! `principled` is the nearest of the two. Shapes whose BSDF lets light through are left out.
+//! `principled` is the nearest of the two. BSDFs that let light through are glass ([`glass`](super::glass)); normals
+//! and holes by texture coordinate: [`relief`](super::relief).
 //! Models that only Mitsuba 0.5 and 0.6 have become the nearest ones of ours, with a warning: `phong`, (n + 2) / (2 pi) cos^n
 //! about the mirror direction, a lobe of alpha = 1 / sqrt(2 (n + 2)), which is as high at normal incidence as Ward's of that
 //! width; `roughdiffuse` the Lambertian reflectance of the same albedo; `coating` a darker base under the coat's lobe.
 
+use super::glass;
 use super::metals;
 use super::oren_nayar;
 use super::paint::{Context, Paint, Picture, color, paint, share};
 use super::plastics::Surface;
+use super::relief::{self, Relief};
 use super::spectrum::Use;
 use super::tree::Node;
 use crate::input::Scope;
+use crate::relief::{holes, is_veil};
 use glam::Affine2;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use unrender_scene::reflectance::{IOR_MAX, f0_of_ior, ior_of_f0};
-use unrender_scene::{BrdfModel, Layering, LobeAlbedo, Material, Rgb, Texture, WardModel};
+use unrender_scene::{BrdfModel, Glass, Layering, LobeAlbedo, Material, Rgb, Texture, WardModel};
 
 /// The doubt about the lobes of other microfacets.
 pub(super) const BECKMANN: &str =
     "the roughness of its Beckmann microfacets was taken as that of GGX";
+
+/// The doubt about half-transparent places.
+const VEIL: &str = "half-transparent places of its mask are taken as there or not, by half";
+
+/// The doubt about the anisotropy below turned pictures.
+const TURNED: &str = "its texture's to_uv turns or mirrors it, but the anisotropy is not turned";
 
 /// A material, and in what it differs from the BSDF.
 #[derive(Clone, Debug)]
@@ -40,21 +50,25 @@ pub(super) struct Reflectance {
     pub(super) is_two_sided: bool,
     /// Whether it is invisible: light goes straight through.
     pub(super) is_nothing: bool,
-    /// Whether it lets light through, which is not modelled.
-    pub(super) is_clear: bool,
+    /// The glass that it is, if it lets light through.
+    pub(super) glass: Option<Glass>,
+    /// Normals and holes, which lie as the texture does.
+    pub(super) relief: Relief,
     doubts: Vec<String>,
 }
 
 impl Reflectance {
     fn of(material: Material) -> Self {
         let (to_uv, doubts) = (Affine2::IDENTITY, Vec::new());
-        let (is_two_sided, is_nothing, is_clear) = (false, false, false);
-        let (is_ggx, model) = (false, None);
-        Self { material, to_uv, is_ggx, model, is_two_sided, is_nothing, is_clear, doubts }
+        let (is_two_sided, is_nothing, glass) = (false, false, None);
+        let (is_ggx, model, relief) = (false, None, Relief::default());
+        Self { material, to_uv, is_ggx, model, is_two_sided, is_nothing, glass, relief, doubts }
     }
 
-    fn clear() -> Self {
-        Self { is_clear: true, ..Self::diffuse(Rgb::ZERO) }
+    fn clear((glass, doubts): glass::Read) -> Self {
+        let mut clear = Self { glass: Some(glass), ..Self::diffuse(Rgb::ZERO) };
+        doubts.into_iter().for_each(|doubt| clear.doubt(doubt));
+        clear
     }
 
     pub(super) fn diffuse(rho_d: Rgb) -> Self {
@@ -65,9 +79,7 @@ impl Reflectance {
         let mut painted = Self::diffuse(paint.mean);
         if let Some(picture) = paint.picture {
             if picture.turns() {
-                painted.doubt(
-                    "its texture's to_uv turns or mirrors it, but the anisotropy is not turned",
-                );
+                painted.doubt(TURNED);
             }
             let Picture { texture, to_uv } = picture;
             (painted.material.texture, painted.to_uv) = (Some(texture), to_uv);
@@ -100,7 +112,23 @@ impl Reflectance {
 
     /// Whether it depends on texture coordinates.
     pub(super) fn wants_uvs(&self) -> bool {
-        self.material.texture.is_some() || self.material.alpha_x != self.material.alpha_y
+        self.has_picture() || self.material.alpha_x != self.material.alpha_y
+    }
+
+    fn has_picture(&self) -> bool {
+        self.material.texture.is_some() || !self.relief.is_none()
+    }
+
+    /// Whether a further picture whose texture coordinates are by `to_uv` can lie on it, as all of its pictures lie in the
+    /// same way.
+    fn admits(&mut self, picture: &Picture) -> bool {
+        if !self.has_picture() {
+            self.to_uv = picture.to_uv;
+            if picture.turns() {
+                self.doubt(TURNED);
+            }
+        }
+        self.to_uv == picture.to_uv
     }
 
     fn doubt(&mut self, doubt: impl Into<String>) {
@@ -129,6 +157,12 @@ impl Reflectance {
         let (texture, added) = match (self.material.texture.take(), other.texture) {
             (None, None) => return Ok(()),
             (Some(own), None) => (own, plain[1]),
+            (None, Some(_)) if !self.relief.is_none() && self.to_uv != to_uv => {
+                self.doubt(
+                    "its texture lies otherwise than its normals or holes; its mean was taken",
+                );
+                return Ok(());
+            }
             (None, Some(texture)) => {
                 self.to_uv = to_uv;
                 (texture, plain[0])
@@ -188,12 +222,12 @@ impl Reflectances {
             "conductor" | "roughconductor" => conductor(context, node),
             "plastic" | "roughplastic" | "pplastic" => plastic(context, node),
             "principled" => principled(context, node),
+            "principledthin" => principled_thin(context, node),
             "ward" => ward(context, node),
             "blendbsdf" => self.blend(context, node),
             "null" => Ok(Reflectance { is_nothing: true, ..Reflectance::diffuse(Rgb::ZERO) }),
-            "dielectric" | "roughdielectric" | "thindielectric" | "principledthin" => {
-                node.pass_all();
-                Ok(Reflectance::clear())
+            "dielectric" | "roughdielectric" | "thindielectric" => {
+                glass::dielectric(context, node).map(Reflectance::clear)
             }
             "phong" => phong(context, node),
             "coating" | "roughcoating" => coated(context, node, self.inner(context, node)?),
@@ -218,8 +252,23 @@ impl Reflectances {
     }
 
     fn bumpy(&mut self, context: &Context, node: Node) -> Result<Reflectance, String> {
-        let mut inside = self.inner(context, node)?;
-        inside.doubt(format!("its {} was left out", node.kind()));
+        let (mut inside, kind) = (self.inner(context, node)?, node.kind());
+        let Some((bumps, picture, is_coded)) = relief::bumps(context, node)? else {
+            inside.doubt(format!("its {kind} was left out"));
+            return Ok(inside);
+        };
+        if inside.relief.bumps.is_some() {
+            inside.doubt(format!("its {kind} was left out, as there is another one in it"));
+        } else if inside.admits(&picture) {
+            inside.relief.bumps = Some(bumps);
+            if is_coded {
+                inside.doubt("the picture of its normalmap was taken as raw, as normals are");
+            }
+        } else {
+            inside.doubt(format!(
+                "its {kind} was left out, as its to_uv is not that of its other pictures"
+            ));
+        }
         Ok(inside)
     }
 
@@ -229,6 +278,18 @@ impl Reflectances {
         match (opacity.picture, opacity.mean) {
             (None, Rgb::ONE) => {}
             (None, Rgb::ZERO) => inside.is_nothing = true,
+            (None, _) if inside.glass.is_some() => inside.doubt("its mask was left out"),
+            (Some(picture), _) if inside.relief.holes.is_none() && inside.admits(&picture) => {
+                let alpha = relief::opacity(&picture.texture, context.scope);
+                let alpha = alpha.map_err(|problem| node.fail(problem))?;
+                if is_veil(&alpha.image) {
+                    inside.doubt(VEIL);
+                }
+                inside.relief.holes = holes(alpha);
+            }
+            (Some(_), _) => inside.doubt(
+                "its mask was left out, as its to_uv is not that of its other pictures: it is opaque everywhere",
+            ),
             _ => inside.doubt("its mask was left out: it is opaque everywhere"),
         }
         Ok(inside)
@@ -243,13 +304,19 @@ impl Reflectances {
         let placed = |problem: String| node.fail(problem);
         let mut blend = parts.0.scaled(1.0 - weight, context.scope).map_err(placed)?;
         let two = parts.1.scaled(weight, context.scope).map_err(placed)?;
-        if blend.is_clear || two.is_clear {
-            return Ok(Reflectance::clear());
+        if let Some(part) = [&blend, &two].into_iter().find(|part| part.glass.is_some()) {
+            let mut clear = part.clone();
+            clear.doubt("it is blended with another BSDF, which was left out");
+            return Ok(clear);
         }
         if blend.is_nothing || two.is_nothing {
             return Err(node.refused("one of its parts is nothing"));
         }
         two.doubts.iter().for_each(|doubt| blend.doubt(doubt.clone()));
+        if !(blend.relief.is_none() && two.relief.is_none()) {
+            blend
+                .doubt("it blends two surfaces; the normals and holes of the first count for both");
+        }
         blend.is_two_sided &= two.is_two_sided;
         let to_uv = two.to_uv;
         let (is_ggx, model) = (two.is_ggx, two.model);
@@ -324,9 +391,8 @@ fn plastic(context: &Context, node: Node) -> Result<Reflectance, String> {
 
 fn principled(context: &Context, node: Node) -> Result<Reflectance, String> {
     let base = paint(context, node, "base_color", Use::Reflectance, 0.5)?;
-    if share(context, node, "spec_trans", 0.0)? > 0.0 {
-        node.pass_all();
-        return Ok(Reflectance::clear());
+    if let Some(glass) = glass::principled(context, node, base.mean)? {
+        return Ok(Reflectance::clear(glass));
     }
     let metallic = share(context, node, "metallic", 0.0)?.clamp(0.0, 1.0);
     let roughness = share(context, node, "roughness", 0.5)?;
@@ -362,6 +428,21 @@ fn principled(context: &Context, node: Node) -> Result<Reflectance, String> {
         }
     }
     read.doubt("principled was taken as a metal, or as a plastic whose base is Lambertian");
+    Ok(read)
+}
+
+/// The thin sheet `node`: glass, or what of it reflects.
+fn principled_thin(context: &Context, node: Node) -> Result<Reflectance, String> {
+    let base = paint(context, node, "base_color", Use::Reflectance, 0.5)?;
+    if let Some(glass) = glass::principled(context, node, base.mean)? {
+        return Ok(Reflectance::clear(glass));
+    }
+    let kept = 1.0 - 0.5 * share(context, node, "diff_trans", 0.0)?.clamp(0.0, 2.0);
+    node.pass_all();
+    let reflected = base.scaled(Rgb::splat(kept), context.scope);
+    let reflected = Reflectance::painted(reflected.map_err(|problem| node.fail(problem))?);
+    let mut read = Reflectance { is_two_sided: true, ..reflected };
+    read.doubt("principledthin was taken as a Lambertian reflectance; what it scatters through was left out");
     Ok(read)
 }
 
@@ -404,7 +485,7 @@ fn phong(context: &Context, node: Node) -> Result<Reflectance, String> {
 fn coated(context: &Context, node: Node, inner: Reflectance) -> Result<Reflectance, String> {
     let index = metals::relative_index(node, 1.5046)?;
     let coat = color(context, node, "specular_reflectance", Use::Reflectance, 1.0)?;
-    if inner.is_clear || inner.is_nothing {
+    if inner.glass.is_some() || inner.is_nothing {
         return Ok(inner);
     }
     let (inner, is_rough) = (inner.freed(), node.kind() == "roughcoating");

@@ -105,14 +105,18 @@ pub(super) fn conductor(context: &Context, node: Node) -> Result<Rgb, String> {
 
 /// The index of refraction of the inside, relative to that of the outside.
 pub(super) fn relative_index(node: Node, inside: f32) -> Result<f32, String> {
-    let inside = index(node, "int_ior", inside)?;
-    let relative = inside / index(node, "ext_ior", 1.000_277)?;
+    let relative = ratio(node, inside)?;
     if relative <= IOR_MAX {
         return Ok(relative);
     }
     Err(node.fail(format!(
         "its refractive index is {relative} times that outside; up to {IOR_MAX} is read, what reflects more is a conductor"
     )))
+}
+
+/// As [`relative_index`], without a bound.
+pub(super) fn ratio(node: Node, inside: f32) -> Result<f32, String> {
+    Ok(index(node, "int_ior", inside)? / index(node, "ext_ior", 1.000_277)?)
 }
 
 fn index(node: Node, name: &str, default: f32) -> Result<f32, String> {

@@ -20,7 +20,8 @@ const UNKNOWN: f32 = 0.5;
 pub(super) struct Context<'a> {
     pub(super) scope: &'a Scope,
     pub(super) warnings: RefCell<Warnings>,
-    textures: RefCell<BTreeMap<(usize, bool), Paint>>,
+    /// By the place of the texture in the tree, and whether it is of light or of normals.
+    textures: RefCell<BTreeMap<(usize, [bool; 2]), Paint>>,
 }
 
 impl<'a> Context<'a> {
@@ -133,8 +134,9 @@ pub(super) fn share(
     Ok(color(context, node, name, Use::Index, default)?.element_sum() / 3.0)
 }
 
-fn texture(context: &Context, node: Node, usage: Use) -> Result<Paint, String> {
-    let key = (node.index, usage == Use::Emission);
+/// The texture `node`.
+pub(super) fn texture(context: &Context, node: Node, usage: Use) -> Result<Paint, String> {
+    let key = (node.index, [Use::Emission, Use::Normal].map(|other| usage == other));
     if let Some(known) = context.textures.borrow().get(&key) {
         return Ok(known.clone());
     }
@@ -146,7 +148,7 @@ fn texture(context: &Context, node: Node, usage: Use) -> Result<Paint, String> {
 fn plugin(context: &Context, node: Node, usage: Use) -> Result<Paint, String> {
     let placed = |problem: String| node.fail(problem);
     match node.kind() {
-        "bitmap" => bitmap(context, node),
+        "bitmap" => bitmap(context, node, usage),
         "checkerboard" => checkerboard(context, node, usage),
         "srgb" => {
             let unbounded = node.flag("unbounded", false)?;
@@ -219,7 +221,7 @@ fn to_uv(node: Node) -> Result<Affine2, String> {
     Ok(Affine2::from_mat2_translation(axes, column(translation)))
 }
 
-fn bitmap(context: &Context, node: Node) -> Result<Paint, String> {
+fn bitmap(context: &Context, node: Node, usage: Use) -> Result<Paint, String> {
     let scope = context.scope;
     let Some(path) = node.file(scope, "filename")? else {
         let file = node.text("filename")?.unwrap_or_default();
@@ -231,7 +233,8 @@ fn bitmap(context: &Context, node: Node) -> Result<Paint, String> {
     let (read, told) =
         picture::read_in(scope, &path).map_err(|error| node.fail(error.to_string()))?;
     context.warnings.borrow_mut().extend(told);
-    let image = if node.flag("raw", false)? { read.values.clone() } else { read.to_linear() };
+    let is_raw = node.flag("raw", false)? || usage == Use::Normal;
+    let image = if is_raw { read.values.clone() } else { read.to_linear() };
     let image = match node.text("filter_type")?.unwrap_or("bilinear") {
         // Trilinear and anisotropic filters average what is far away, which many samples a pixel do, too.
         "bilinear" | "trilinear" | "ewa" => image,

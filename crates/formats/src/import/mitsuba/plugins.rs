@@ -130,7 +130,13 @@ const SHAPES: &Shared = &Shared {
     ],
 };
 
-const CLEAR: &str = "it lets light through: its shapes are left out, and a recovery masks them";
+const CLEAR: &str =
+    "smooth glass, where a shape is closed, and a pane elsewhere; a recovery masks its shapes";
+const COVERED: &str = "the warning of its plugin covers it";
+const BUMPS: Entry = read(
+    "<texture>",
+    "its picture; one with another to_uv than others is left out, with a warning",
+);
 const COAT: &str =
     "of Mitsuba 0.5; over a diffuse BSDF a plastic, over others only its darkening, with a warning";
 const LEFT_OUT: &str = "it is left out";
@@ -154,6 +160,12 @@ const SHINE: Entry = told(
 );
 const SPECULAR: Entry =
     read("specular_reflectance", "a colour; the mean of a texture, with a warning");
+const TRANSMITTED: Entry = read(
+    "specular_transmittance",
+    "the factor on light that passes a surface; the mean of a texture, with a warning",
+);
+const REFLECTED: Entry =
+    told("specular_reflectance", "all but one is left out: Fresnel's reflectance has no colour");
 const MATERIAL: Entry = read("material", METAL);
 const ETA: Entry = read("eta", METAL);
 const K: Entry = read("k", METAL);
@@ -269,7 +281,10 @@ const PLUGINS: &[Plugin] = &[
             told("spec_tint", LEFT_OUT),
             passed("sheen_tint", "the warning of sheen covers it"),
             passed("clearcoat_gloss", "the warning of clearcoat covers it"),
-            told("spec_trans", "above zero it lets light through: its shapes are left out"),
+            told(
+                "spec_trans",
+                "above zero it is smooth glass, whose colour is that of light through a body",
+            ),
         ],
     ),
     bsdf(
@@ -294,30 +309,65 @@ const PLUGINS: &[Plugin] = &[
         ],
     ),
     bsdf(
-        told("mask", "opaque everywhere, unless its opacity is 0 or 1"),
-        &[read("opacity", "0 or 1 everywhere"), INNER],
-    ),
-    bsdf(
-        told("bumpmap", "the surface is taken as it is"),
+        read("mask", "holes, by half where it is half-transparent"),
         &[
+            read(
+                "opacity",
+                "a picture, with a warning where much of it is half-transparent, or a number, with a warning unless it is 0 \
+                 or 1: it is opaque everywhere",
+            ),
             INNER,
-            passed("<texture>", "the warning of its plugin covers it"),
-            passed("scale", "belongs to what is left out"),
         ],
     ),
     bsdf(
-        told("normalmap", "the surface is taken as it is"),
-        &[
-            INNER,
-            passed("<texture>", "the warning of its plugin covers it"),
-            passed("normalmap", "the warning of its plugin covers it"),
-        ],
+        near(
+            "bumpmap",
+            "normals by the picture's heights, as if it was equally large all over a shape",
+        ),
+        &[INNER, BUMPS, read("scale", "a factor on the heights, which are in units of the scene")],
+    ),
+    bsdf(
+        read(
+            "normalmap",
+            "normals in the shading frame; a picture that is not raw is taken as raw, with a warning",
+        ),
+        &[INNER, BUMPS],
     ),
     bsdf(read("null", "the surface is not there; as a lamp it is black"), &[]),
-    bsdf(told("dielectric", CLEAR), &[]),
-    bsdf(told("roughdielectric", CLEAR), &[]),
-    bsdf(told("thindielectric", CLEAR), &[]),
-    bsdf(told("principledthin", CLEAR), &[]),
+    bsdf(told("dielectric", CLEAR), &[INT_IOR, EXT_IOR, TRANSMITTED, REFLECTED]),
+    bsdf(
+        told("roughdielectric", "as dielectric: its roughness is left out"),
+        &[
+            INT_IOR,
+            EXT_IOR,
+            TRANSMITTED,
+            REFLECTED,
+            passed("alpha", COVERED),
+            passed("alpha_u", COVERED),
+            passed("alpha_v", COVERED),
+            passed("distribution", COVERED),
+            VISIBLE,
+        ],
+    ),
+    bsdf(
+        told("thindielectric", "a smooth pane of glass; a recovery masks its shapes"),
+        &[INT_IOR, EXT_IOR, TRANSMITTED, REFLECTED],
+    ),
+    bsdf(
+        told("principledthin", "a smooth pane of glass, or a Lambertian reflectance"),
+        &[
+            read("base_color", "a colour, a spectrum or a texture; of glass the mean"),
+            read("eta", "1.5 by default"),
+            told("spec_trans", "above zero it is glass, else what it scatters through is left out"),
+            read("diff_trans", "the share that is left out"),
+            read("roughness", "above zero the pane is still smooth, with a warning"),
+            passed("anisotropic", COVERED),
+            passed("spec_tint", COVERED),
+            passed("sheen", COVERED),
+            passed("sheen_tint", COVERED),
+            passed("flatness", COVERED),
+        ],
+    ),
     bsdf(
         told(
             "phong",

@@ -110,8 +110,8 @@ fn read(
         positions,
         normals: normals.into_iter().map(Vec3::normalize_or_zero).collect(),
         uvs: uvs.chunks_exact(2).map(Vec2::from_slice).collect(),
-        tangents: Vec::new(),
         triangles: corners.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+        ..Mesh::default()
     };
     Ok(Stated { mesh, is_flat: flags & IS_FLAT != 0, is_single: size == 4 })
 }

@@ -20,8 +20,8 @@ pub(super) fn rectangle() -> Mesh {
         positions: corners.map(|c| c.extend(0.0)).to_vec(),
         normals: vec![Vec3::Z; 4],
         uvs: corners.map(|c| 0.5 * c + 0.5).to_vec(),
-        tangents: Vec::new(),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
     }
 }
 

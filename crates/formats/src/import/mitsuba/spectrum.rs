@@ -15,6 +15,8 @@ pub(super) enum Use {
     Reflectance,
     /// Light.
     Emission,
+    /// A normal of a normal map, whose codes are taken as they are.
+    Normal,
     /// A number of zero or more, as a roughness.
     Index,
     /// An index of refraction or a coefficient of extinction; as linear sRGB it may lie below zero.

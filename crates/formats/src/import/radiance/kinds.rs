@@ -159,9 +159,13 @@ const KINDS: &[Kind] = &[
     plain(
         Sort::Material,
         &[3, 4],
-        told("glass", "is transparent, which is not known here; its surfaces were left out"),
+        told("glass", "a pane of that transmissivity, smooth, and not recovered"),
     ),
-    plain(Sort::Material, &[5], told("dielectric", UNKNOWN)),
+    plain(
+        Sort::Material,
+        &[5],
+        told("dielectric", "smooth glass that absorbs, whose front is outside; not recovered"),
+    ),
     plain(Sort::Material, &[8], told("interface", UNKNOWN)),
     worded(
         Sort::Material,

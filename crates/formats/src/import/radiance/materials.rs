@@ -5,7 +5,7 @@ use super::lamps::{Far, Spot};
 use super::modifiers::{Chain, Definition, Modifiers, Number};
 use super::patterns::{Pattern, Pictures, constant};
 use super::primitives::Noted;
-use super::reflectance::{mixed, reflectance, why_hidden};
+use super::reflectance::{glass, mixed, reflectance, why_hidden};
 use super::sky::{Panorama, Sky};
 use crate::input::Scope;
 use crate::texels;
@@ -13,7 +13,7 @@ use glam::DVec3;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::sync::Arc;
-use unrender_scene::{BrdfModel, Group, Material, Rgb, Texture, Warnings};
+use unrender_scene::{BrdfModel, Glass, Group, Material, Rgb, Texture, Warnings};
 
 /// The greatest depth of nested mixtures.
 const MIXED: usize = 8;
@@ -27,6 +27,8 @@ pub(super) enum Seen {
     Group(usize, Option<DVec3>),
     /// A lamp without a surface.
     Spot(Spot),
+    /// Glass, and the name of the material.
+    Glass(String, Glass),
 }
 
 /// As [`Seen`], before there is a group for it.
@@ -35,6 +37,7 @@ enum Look {
     Hidden,
     Surface { material: Material, emission: Rgb, along: Option<DVec3> },
     Spot(Spot),
+    Glass(Glass),
 }
 
 /// What the patterns of a material do.
@@ -115,10 +118,9 @@ impl<'a> Materials<'a> {
         let seen = match self.look(&chain, MIXED, warnings)? {
             Look::Hidden => Seen::Nothing,
             Look::Spot(spot) => Seen::Spot(spot),
+            Look::Glass(glass) => Seen::Glass(self.name(chain.material.unwrap_or(start)), glass),
             Look::Surface { material, emission, along } => {
-                let definition = self.modifiers.get(chain.material.unwrap_or(start));
-                let name = definition.note.as_ref().and_then(|note| note.name.clone());
-                let name = name.unwrap_or_else(|| definition.id.clone());
+                let name = self.name(chain.material.unwrap_or(start));
                 let group = Group { name, material, emission };
                 // The same material in another direction or behind a texture is the same group.
                 let before = self.by_name.get(&group.name).copied();
@@ -133,6 +135,13 @@ impl<'a> Materials<'a> {
         };
         self.seen.insert(start, seen.clone());
         Ok(seen)
+    }
+
+    /// The name of the material of this number.
+    fn name(&self, number: Number) -> String {
+        let definition = self.modifiers.get(number);
+        let name = definition.note.as_ref().and_then(|note| note.name.clone());
+        name.unwrap_or_else(|| definition.id.clone())
     }
 
     /// The source far away with the modifier `start`, if that is a lamp that gives light.
@@ -186,6 +195,9 @@ impl<'a> Materials<'a> {
         if definition.sort() == Some(Sort::Lamp) {
             check_brightness(definition, &tint)?;
             return Ok(lamp(definition, tint.factor, warnings));
+        }
+        if let Some(glass) = glass(&definition.made, tint.factor) {
+            return Ok(Look::Glass(glass));
         }
         if let Some(why) = why_hidden(&definition.made.kind) {
             warnings.push(format!("{shown} {why}"));
@@ -265,7 +277,7 @@ impl<'a> Materials<'a> {
         let shines = |look: &Look| match look {
             Look::Spot(_) => true,
             Look::Surface { emission, .. } => *emission != Rgb::ZERO,
-            Look::Hidden => false,
+            Look::Hidden | Look::Glass(_) => false,
         };
         if shines(&one) || shines(&other) {
             return Err(format!(
@@ -273,7 +285,9 @@ impl<'a> Materials<'a> {
                  lamp itself"
             ));
         }
-        let (one, other) = match (one, other) {
+        // A mixture has no glass in it.
+        let opaque = |look| if matches!(look, Look::Glass(_)) { Look::Hidden } else { look };
+        let (one, other) = match (opaque(one), opaque(other)) {
             (Look::Surface { material: a, along, .. }, Look::Surface { material: b, .. }) => {
                 ((a, along), b)
             }

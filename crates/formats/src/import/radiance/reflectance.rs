@@ -3,7 +3,8 @@
 //! `plastic` and `metal` of colour `c`, specularity `s` and roughness `a` have `rho_d = c (1 - s)`,
 //! `rho_s = s` or `c s`, and `a` as both alphas; those with a `2` have two, and a direction. Where the
 //! roughness is zero, Radiance makes them brighter at grazing angles, which is left out. `WGMDfunc` has
-//! both parts separately. Only the reflected part of transparent materials is taken.
+//! both parts separately. `glass` and `dielectric` are smooth glass; of other transparent materials only the reflected
+//! part is taken.
 
 use super::kinds::{UNKNOWN, entry};
 use super::motion::Motion;
@@ -11,7 +12,7 @@ use super::patterns::constant;
 use super::primitives::Primitive;
 use crate::entry::Taken;
 use glam::DVec3;
-use unrender_scene::{Material, Rgb};
+use unrender_scene::{Glass, Material, Rgb};
 
 /// A material, and in what it differs from Radiance's.
 pub(super) struct Reflectance {
@@ -30,8 +31,37 @@ impl From<Material> for Reflectance {
 
 /// Why surfaces of the material `kind` are left out, as the end of a sentence, if they are.
 pub(super) fn why_hidden(kind: &str) -> Option<&'static str> {
-    let is_hidden = matches!(kind, "glass" | "mist" | "antimatter");
+    let is_hidden = matches!(kind, "mist" | "antimatter");
     entry(kind).filter(|_| is_hidden).map(|entry| entry.done)
+}
+
+/// The index of refraction of a `glass` that states none [Radiance 6.0, `src/rt/glass.c`].
+const PANE_IOR: f32 = 1.52;
+
+/// The glass that `p` is, if it is any, with its colour multiplied by `tint`, that of its patterns.
+///
+/// A `glass` is a pane, whose colour is the transmissivity `t`: what is left of light that goes from face to face once. With
+/// the reflectance `F` of a face, `t (1 - F)^2 / (1 - t^2 F^2)` of light passes it at normal incidence, and
+/// `(1 - F) / (1 + F)` a pane without colour, so that the quotient is ours. The colour of a `dielectric`, whose front is
+/// outside, is what is left after one unit of length; its Hartmann constant, by which the index depends on the
+/// wavelength, is left out.
+pub(super) fn glass(p: &Primitive, tint: Rgb) -> Option<Glass> {
+    let number = |at: usize| p.reals.get(at).map(|number| *number as f32);
+    let color = Rgb::from_array([0, 1, 2].map(|at| number(at).unwrap_or_default()));
+    let left = (color * tint).clamp(Rgb::ZERO, Rgb::ONE);
+    let index = number(3).filter(|index| *index > 0.0).unwrap_or(PANE_IOR);
+    match p.kind.as_str() {
+        "glass" => {
+            let face = ((index - 1.0) / (index + 1.0)).powi(2);
+            let tint = left * (1.0 - face * face) / (1.0 - left * left * face * face);
+            Some(Glass { tint, ..Glass::pane(index) })
+        }
+        "dielectric" => {
+            let absorption = -left.max(Rgb::splat(f32::MIN_POSITIVE)).ln();
+            Some(Glass { absorption, ..Glass::solid(index) })
+        }
+        _ => None,
+    }
 }
 
 /// The reflectance of `p`, with its colour multiplied by `tint`, that of its patterns; `shine` is the

@@ -226,7 +226,7 @@ fn of_other_materials_what_they_reflect_is_taken_and_told() {
             0.0,
             "highlights",
         ),
-        ("void dielectric m 0 0 5 1 1 1 1.5 0", 0.5, 0.0, "is not known"),
+        ("void interface m 0 0 8 1 1 1 1.5 1 1 1 1.3", 0.5, 0.0, "is not known"),
         ("void BSDF m 6 0 a.xml 0 0 1 . 0 0", 0.5, 0.0, "is not known"),
         (
             "void mirror m 1 red 0 3 .9 .9 .9",
@@ -246,7 +246,6 @@ fn of_other_materials_what_they_reflect_is_taken_and_told() {
         assert_near(Vec3::new(found.rho_d.x, found.rho_s.x, 0.0), [rho_d, rho_s, 0.0], text);
     }
     for (text, said) in [
-        ("void glass m 0 0 3 .9 .9 .9", "line 5: the glass \"m\" is transparent"),
         ("void mist m 0 0 3 .1 .1 .1", "line 5: the mist \"m\" is a volume"),
         ("void antimatter m 1 red 0 0", "what it cuts away is still there"),
         ("void mirror m 1 void 0 3 .9 .9 .9", "seen in its place"),
@@ -258,6 +257,53 @@ fn of_other_materials_what_they_reflect_is_taken_and_told() {
     let told =
         refusal("void WGMDfunc m 3 red 1 .1 0 9 1 1 1 1 1 1 0 0 0\nm sphere s 0 0 4 0 0 0 1");
     assert!(told.contains("names \"red\" as the colour of its highlights"), "{told}");
+}
+
+/// Light at normal incidence that passes a pane as Radiance has it: what is reflected to and fro inside, added up.
+fn through_pane(transmissivity: f64, index: f64) -> f64 {
+    let face = ((index - 1.0) / (index + 1.0)).powi(2);
+    let once = |k: i32| (1.0 - face).powi(2) * transmissivity.powi(2 * k + 1) * face.powi(2 * k);
+    (0..50).map(once).sum()
+}
+
+#[test]
+fn glass_lets_as_much_through_as_in_radiance() {
+    for (text, index) in
+        [("void glass m 0 0 3 .96 .5 0", 1.52), ("void glass m 0 0 4 .96 .5 0 2.1", 2.1)]
+    {
+        let (scene, warnings) = read(&format!("{text}\nm sphere s 0 0 4 1 0 1 1"));
+        assert_eq!(names(&scene), ["bulb"], "{text}");
+        assert_eq!(warnings.0.len(), 1, "{warnings:?}");
+        assert_told(&warnings, "\"m\" is glass");
+        assert_eq!(scene.ungrouped_materials(), ["m"]);
+        let glass = scene.ungrouped[0].glass.unwrap();
+        assert!(glass.is_thin && glass.absorption == Rgb::ZERO && glass.is_valid());
+        let passed = glass.tint * (1.0 - glass.reflected(1.0));
+        let expected = [0.96, 0.5, 0.0].map(|t| through_pane(t, index) as f32);
+        assert_near(passed, expected, text);
+    }
+}
+
+#[test]
+fn a_dielectric_absorbs_by_length() {
+    let dimmed = "void brightfunc half 2 .5 . 0 0\nhalf dielectric m 0 0 5 1 .5 .1 1.4 20";
+    let (scene, warnings) = read(&format!("{dimmed}\nm sphere s 0 0 4 1 0 1 1"));
+    assert_told(&warnings, "\"m\" is glass");
+    let glass = scene.ungrouped[0].glass.unwrap();
+    assert!(!glass.is_thin && glass.tint == Rgb::ONE && glass.ior == 1.4);
+    assert_near((-glass.absorption).exp(), [0.5, 0.25, 0.05], "after a metre");
+    // Where nothing is left, it is black.
+    let (scene, _) = read("void dielectric m 0 0 5 0 0 0 1.5 0\nm sphere s 0 0 4 1 0 1 1");
+    assert!(scene.ungrouped[0].glass.unwrap().is_valid());
+}
+
+#[test]
+fn a_mixture_with_glass_is_opaque() {
+    let text = "void glass clear 0 0 3 .9 .9 .9\nvoid mixfunc m 4 red clear .5 . 0 0\nm sphere s 0 0 4 1 0 1 1";
+    let (scene, warnings) = read(text);
+    assert!(scene.ungrouped.is_empty());
+    assert_eq!(names(&scene), ["bulb", "s"]);
+    assert_told(&warnings, "is transparent in part");
 }
 
 #[test]

@@ -112,14 +112,14 @@ fn faults_are_named_with_their_lines() {
 fn an_error_is_shown_with_the_warnings_that_came_before_it() {
     let folder = Folder::new();
     let text =
-        "void glass pane 0 0 3 .9 .9 .9\npane sphere s 0 0 4 0 0 0 1\nred sphere t 0 0 4 0 0 0 1";
+        "void mist pane 0 0 3 .9 .9 .9\npane sphere s 0 0 4 0 0 0 1\nred sphere t 0 0 4 0 0 0 1";
     let error = load_scene(&folder.file("scene.rad", text)).unwrap_err().to_string();
     let (problem, before) = error.split_once('\n').unwrap();
     assert!(
         problem.ends_with("line 3: the sphere \"t\" is made of \"red\", which is not there"),
         "{error}"
     );
-    assert!(before.contains("before that: line 1: the glass \"pane\" is transparent"), "{error}");
+    assert!(before.contains("before that: line 1: the mist \"pane\" is a volume"), "{error}");
     // Also for an error of the whole scene.
     let text =
         "void plastic w 0 0 5 1 1 1 0 0\nw sphere t 0 0 4 0 0 0 1\nvoid sphere u 0 0 4 0 0 0 1";

@@ -42,6 +42,7 @@ fn place(element: &str) -> &'static str {
         "KHR_materials_anisotropy" => "/materials/0/extensions/KHR_materials_anisotropy",
         "KHR_materials_clearcoat" => "/materials/0/extensions/KHR_materials_clearcoat",
         "KHR_materials_transmission" => "/materials/0/extensions/KHR_materials_transmission",
+        "KHR_materials_volume" => "/materials/0/extensions/KHR_materials_volume",
         other => panic!("no place of {other}"),
     }
 }

@@ -26,6 +26,13 @@ fn read(inside: &str) -> Result<Warnings, String> {
     read.map(|(_, warnings)| warnings).map_err(|error| error.to_string())
 }
 
+/// As XML, a picture of normals.
+fn normals() -> String {
+    let picture =
+        "<string name=\"filename\" value=\"p.png\"/><boolean name=\"raw\" value=\"true\"/>";
+    format!("<texture type=\"bitmap\">{picture}</texture>")
+}
+
 /// As XML, the property `name` of a plugin of the type `within`.
 fn property(within: &str, name: &str) -> String {
     let element = |tag: &str, value: &str| format!("<{tag} name=\"{name}\" value=\"{value}\"/>");
@@ -39,6 +46,7 @@ fn property(within: &str, name: &str) -> String {
         }
         "<shape>" => "<shape type=\"cube\"/>".into(),
         "<sensor>" => "<sensor type=\"perspective\"/>".into(),
+        "<texture>" if within.ends_with("map") => normals(),
         "<texture>" => "<texture type=\"srgb\"/>".into(),
         plugin if plugin.starts_with('<') => plugin.replace('>', " type=\"any\"/>"),
         "to_world" | "to_uv" => {
@@ -76,6 +84,7 @@ fn property(within: &str, name: &str) -> String {
         "reflectance"
         | "diffuse_reflectance"
         | "specular_reflectance"
+        | "specular_transmittance"
         | "base_color"
         | "albedo"
         | "color"
@@ -127,8 +136,9 @@ fn needed(kind: &str) -> &'static [&'static str] {
     match kind {
         "ply" | "obj" | "serialized" | "bitmap" | "envmap" => &["filename"],
         "instance" => &["<shape>"],
-        "twosided" | "mask" | "bumpmap" | "normalmap" | "blendbsdf" | "coating"
-        | "roughcoating" => &["<bsdf>"],
+        "mask" => &["<bsdf>", "opacity"],
+        "twosided" | "blendbsdf" | "coating" | "roughcoating" => &["<bsdf>"],
+        "bumpmap" | "normalmap" => &["<bsdf>", "<texture>"],
         "roughconductor" => &["distribution"],
         "blackbody" => &["temperature"],
         "regular" => &["values"],

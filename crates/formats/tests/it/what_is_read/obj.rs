@@ -11,6 +11,8 @@ fn read(in_obj: &str, in_mtl: &str) -> Result<Warnings, String> {
     let folder = Folder::new();
     folder.file("a.mtl", format!("newmtl m\nKd 0.5 0.5 0.5\n{in_mtl}\n"));
     picture::write_png_srgb(&folder.path("p.png"), &RgbImage::new(1, 1, vec![Rgb::ONE])).unwrap();
+    let blue = RgbImage::new(1, 1, vec![Rgb::new(0.2, 0.2, 1.0)]);
+    picture::write_png_srgb(&folder.path("blue.png"), &blue).unwrap();
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nusemtl m\nf 1/1/1 2/1/1 3/1/1";
     let path = folder.file("a.obj", format!("mtllib a.mtl\n{triangle}\n{in_obj}\n"));
     obj::read(&path).map(|(_, warnings)| warnings).map_err(|error| error.to_string())
@@ -41,7 +43,10 @@ fn every_word_of_mtl_is_taken_as_its_row_says() {
         let statement = match row.element {
             "newmtl" => "newmtl other\nKd 1 1 1".into(),
             "illum" => "illum 2".into(),
-            "map_Kd" => "map_Kd p.png".into(),
+            "bump of a normal map" => "bump blue.png".into(),
+            "map_Kd" | "map_d" | "map_opacity" | "map_Kn" | "map_norm" | "norm" => {
+                format!("{} p.png", row.element)
+            }
             "map_Kd -s 2 2" => "map_Kd -s 2 2 1 p.png".into(),
             words if words.contains(' ') => format!("{words} 1"),
             word => format!("{word} 0.5 0.5 0.5"),

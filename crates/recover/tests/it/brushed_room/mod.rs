@@ -24,6 +24,7 @@ fn wall(group: usize, centre: Vec3, normal: Vec3, half: f32) -> Object {
         uvs: vec![Vec2::ZERO; 4],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         positions,
+        ..Mesh::default()
     };
     Object { name: format!("wall {group}"), group, mesh }
 }

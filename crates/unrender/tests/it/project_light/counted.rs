@@ -80,7 +80,9 @@ fn what_is_cut_out_of_the_photograph_is_not_taken_for_black() {
 fn ignored_groups_are_not_asked_for_and_not_counted() {
     let folder = Corner::new();
     folder.refuses("[groups.door]\nignore = true\n[environment]\ncolor = 1\n", "no group \"door\"");
-    folder.write("project.toml", &format!("{HEAD}{LIGHTS}[groups.wall]\nignore = true\n"));
+    let [r, g, b] = WALL.to_array();
+    let ignored = format!("[groups.wall]\nignore = true\nknown = {{ rho_d = [{r}, {g}, {b}] }}\n");
+    folder.write("project.toml", &format!("{HEAD}{LIGHTS}{ignored}"));
     let checked = succeeds(&folder.run(&["check", "project.toml"]));
     let row = checked.lines().find(|line| line.starts_with("wall (ignored) ")).unwrap();
     assert!(row.contains("by the project") && !row.contains("cut off"), "{row}");
@@ -91,7 +93,7 @@ fn ignored_groups_are_not_asked_for_and_not_counted() {
     let floor = Rgb::from_array(found.groups["floor"].rho_d.unwrap());
     assert!((floor - FLOOR).abs().max_element() < 0.02, "{floor}");
     let wall = Rgb::from_array(found.groups["wall"].rho_d.unwrap());
-    assert!((wall - WALL).abs().max_element() < 1e-5, "as in the scene: {wall}");
+    assert!((wall - WALL).abs().max_element() < 1e-5, "as it is known: {wall}");
     let run = folder.text("out/run.json");
     let run: serde_json::Value = serde_json::from_str(&run).unwrap();
     let wall = &run["groups"]["wall"];
