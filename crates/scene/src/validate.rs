@@ -205,7 +205,7 @@ impl Scene {
             check_finite(&shape.material, &shape.mesh)?;
             let is_glass = shape.glass.is_none_or(|glass| glass.is_valid());
             let owner = || format!("material \"{}\"", shape.material);
-            check_numbers(owner, &[("its glass", is_glass)])?;
+            check_numbers(owner, &[("a number of its glass", is_glass)])?;
         }
         self.groups.iter().try_for_each(check_material)?;
         self.lights.iter().try_for_each(check_light)?;
@@ -333,8 +333,8 @@ fn check_detail(object: &Object) -> Result<(), SceneError> {
         !alphas.is_empty() && alphas.iter().all(|alpha| alpha.is_finite())
     };
     let quantities = [
-        ("its normal map", normals.as_deref().is_none_or(are_normals)),
-        ("its coverage", coverage.as_deref().is_none_or(is_coverage)),
+        ("a number of its normal map", normals.as_deref().is_none_or(are_normals)),
+        ("a number of its coverage", coverage.as_deref().is_none_or(is_coverage)),
     ];
     check_numbers(|| format!("object \"{}\"", object.name), &quantities)
 }

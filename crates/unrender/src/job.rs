@@ -3,7 +3,7 @@
 use crate::lighting::EnvironmentChoice;
 use crate::project::{CameraChoice, Found, Photographed, Project, Taken};
 use crate::shot::Shot;
-use crate::{Error, clear_shapes, mask, photograph, same_as};
+use crate::{Error, mask, photograph, same_as, ungrouped};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -130,7 +130,7 @@ impl Job {
         let is_ignored = |group: u32| ignored.get(group as usize).copied().unwrap_or(false);
         let mask = self.mask_of(photograph);
         let masked = |index: usize| mask.is_some_and(|mask| !mask.pixels()[index]);
-        let clear = clear_shapes::covered(&self.scene, camera, geometry);
+        let clear = ungrouped::covered(&self.scene, camera, geometry);
         let is_clear = |index: usize| clear.as_ref().is_some_and(|clear| clear[index]);
         let pixels = geometry.pixels().iter().enumerate();
         let counts = |(index, pixel): (usize, &PixelGeometry)| {

@@ -116,7 +116,6 @@
 mod as_json;
 mod bracket;
 pub mod check;
-mod clear_shapes;
 #[cfg(feature = "cli")]
 pub mod cli;
 #[cfg(feature = "cli")]
@@ -181,6 +180,7 @@ mod sketch;
 mod text_file;
 mod text_table;
 mod toml_values;
+mod ungrouped;
 mod unusable;
 mod up_axis;
 mod working_size;

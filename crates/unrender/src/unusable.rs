@@ -1,6 +1,6 @@
 //! Why no pixel of a photograph can be used, although it shows the scene.
 
-use crate::{Job, check, clear_shapes};
+use crate::{Job, check, ungrouped};
 use unrender_render::{NOTHING, Tracer};
 
 /// Why a pixel cannot be used, in the order in which reasons are looked for.
@@ -45,7 +45,7 @@ pub(crate) fn why(job: &Job) -> Option<String> {
 fn reasons(job: &Job, tracer: &Tracer) -> Vec<usize> {
     let photo = &job.photo;
     let geometry = tracer.geometry(&job.camera, photo.radiance.width(), photo.radiance.height());
-    let apart = clear_shapes::materials(&job.scene, &job.camera, &geometry);
+    let apart = ungrouped::materials(&job.scene, &job.camera, &geometry);
     let apart = |index: usize| apart.as_ref().and_then(|apart| apart[index]);
     let is_ignored = |index: usize, group: u32| {
         let name = apart(index).unwrap_or(&job.scene.groups[group as usize].name);

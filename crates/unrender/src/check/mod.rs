@@ -29,10 +29,10 @@ pub use picture::edge_picture;
 pub use table::{json, table};
 
 use crate::Job;
-use crate::clear_shapes;
 use crate::problem;
 use crate::registered::RegisteredModel;
 use crate::registration::{self, Alignment};
+use crate::ungrouped;
 use finding::Findings;
 use glam::Vec3;
 use identifiability::{Identifiability, identifiability};
@@ -124,9 +124,9 @@ fn findings(subject: &Subject<'_>, edges: &Edges) -> Findings {
     all
 }
 
-/// What is seen of shapes that let light through.
+/// What is seen of glass.
 fn clear(job: &Job, (camera, geometry): (&Camera, &GeometryBuffers)) -> Findings {
-    let told = clear_shapes::told(job, camera, geometry);
+    let told = ungrouped::told(job, camera, geometry);
     told.map(|sentence| Finding::new(Gravity::Part, sentence)).into_iter().collect()
 }
 

@@ -10,11 +10,11 @@ use unrender_scene::{Camera, Group, Image, Material, Object, Rgb, Scene, Ungroup
 const RIM: usize = 1;
 
 /// The shapes of a scene that belong to no group.
-struct ClearShapes {
+struct UngroupedShapes {
     tracer: Tracer,
 }
 
-impl ClearShapes {
+impl UngroupedShapes {
     /// Those of `scene`; none if it has no such shapes.
     fn of(scene: &Scene) -> Option<Self> {
         let names = scene.ungrouped_materials();
@@ -60,7 +60,7 @@ pub(crate) fn covered(
     camera: &Camera,
     geometry: &GeometryBuffers,
 ) -> Option<Vec<bool>> {
-    let seen = ClearShapes::of(scene)?.seen(camera, geometry);
+    let seen = UngroupedShapes::of(scene)?.seen(camera, geometry);
     Some(seen.pixels().iter().map(Option::is_some).collect())
 }
 
@@ -71,7 +71,7 @@ pub(crate) fn materials<'s>(
     camera: &Camera,
     geometry: &GeometryBuffers,
 ) -> Option<Vec<Option<&'s str>>> {
-    let seen = ClearShapes::of(scene)?.seen(camera, geometry);
+    let seen = UngroupedShapes::of(scene)?.seen(camera, geometry);
     let names = scene.ungrouped_materials();
     Some(seen.pixels().iter().map(|seen| seen.map(|index| names[index as usize])).collect())
 }
@@ -80,7 +80,7 @@ pub(crate) fn materials<'s>(
 pub(crate) fn told(job: &Job, camera: &Camera, geometry: &GeometryBuffers) -> Option<String> {
     let glass = job.scene.ungrouped.iter().filter(|shape| shape.glass.is_some());
     let scene = Scene { ungrouped: glass.cloned().collect(), ..Scene::default() };
-    let seen = ClearShapes::of(&scene)?.seen(camera, geometry);
+    let seen = UngroupedShapes::of(&scene)?.seen(camera, geometry);
     let names = scene.ungrouped_materials();
     let shown = |material: usize| seen.pixels().contains(&u32::try_from(material).ok());
     let shown: Vec<String> = (0..names.len())
