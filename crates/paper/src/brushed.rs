@@ -159,6 +159,7 @@ mod tests {
             point: position(i).extend(0.0),
             emitted: Rgb::ZERO,
             diffuse: Rgb::ZERO,
+            straight: Rgb::ZERO,
             mirror: Rgb::splat(0.5),
             mirrored: Some(Mirrored { object: 1, point: Vec3::Z }),
             first: 0,

@@ -170,19 +170,27 @@ impl Driver<'_, '_> {
 
     /// Gives the groups a texture whose pixels predict each other by one; those whose light has changed by that are
     /// compared again, and those that are not explained: what was left of the textured groups was allowed for in theirs.
+    /// Textures whose light these change are looked at again, and go where they predict no more.
     fn find_textures<'a>(
         &mut self,
         mut present: Verified<'a>,
         by: (Level, Depth),
     ) -> Result<Verified<'a>, RecoverError> {
-        let proposals = self.candidates.textures(&mut present.guess, by.0, self.progress);
-        if proposals.is_empty() || self.progress.is_cancelled() {
-            return Ok(present);
+        let groups = present.guess.visible_unknowns();
+        let mut proposals =
+            self.candidates.textures(&mut present.guess, &groups, by.0, self.progress);
+        while !proposals.is_empty() && !self.progress.is_cancelled() {
+            let (found, changed) = self.take(present, proposals, by);
+            let before = found.score.clone();
+            self.candidates.ask_again(&changed);
+            self.candidates.ask_again(&self.candidates.open(&found.guess, by.0));
+            present = self.choose(found, by)?;
+            let mut again = self.changed(&present, &before, by.0);
+            again.retain(|group| is_textured(&present.guess, *group));
+            proposals = self.candidates.textures(&mut present.guess, &again, by.0, self.progress);
+            proposals.retain(|other| other.hypothesis != Hypothesis::Textured);
         }
-        let (present, changed) = self.take(present, proposals, by);
-        self.candidates.ask_again(&changed);
-        self.candidates.ask_again(&self.candidates.open(&present.guess, by.0));
-        self.choose(present, by)
+        Ok(present)
     }
 
     /// Where all surfaces of the scene's format have a coat, groups that show no gloss are dull plastics if that leaves less of
@@ -256,8 +264,7 @@ impl Driver<'_, '_> {
     /// The textures once more, with more light samples, under the final light, but for those with which their groups'
     /// re-rendered pixels are explained worse than before.
     fn extract_textures<'a>(&self, present: Verified<'a>) -> Guess<'a> {
-        let mut groups = present.guess.groups.iter();
-        if groups.all(|of_group| of_group.hypothesis != Hypothesis::Textured) {
+        if !(0..present.guess.groups.len()).any(|group| is_textured(&present.guess, group)) {
             return present.guess;
         }
         let found = self.verifier.verify(textures::last(&present.guess, self.options));
@@ -269,4 +276,8 @@ impl Driver<'_, '_> {
         }
         guess
     }
+}
+
+fn is_textured(guess: &Guess<'_>, group: usize) -> bool {
+    guess.groups[group].hypothesis == Hypothesis::Textured
 }

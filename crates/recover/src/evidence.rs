@@ -176,11 +176,25 @@ impl Light {
 
     /// The radiance of `material` with a white base and without its lobe at every pixel, twice.
     pub fn base(&self, material: &Material) -> [Vec<Rgb>; 2] {
+        self.base_under(material, |probe| probe.diffuse)
+    }
+
+    /// The part of [`Self::base`] that comes straight from lights.
+    pub fn straight(&self, material: &Material) -> [Vec<Rgb>; 2] {
+        self.base_under(material, |probe| probe.straight)
+    }
+
+    /// The radiance of a white base under the lobe of `material` in the `light` of every probe, twice.
+    fn base_under(
+        &self,
+        material: &Material,
+        light: impl Fn(&Probe) -> Rgb + Sync,
+    ) -> [Vec<Rgb>; 2] {
         let Reflectance::Dielectric { ior, .. } = material.reflectance else {
-            return self.diffuse();
+            return self.each(|probe| probe.throughput * light(probe));
         };
         let albedo = LobeAlbedo::dielectric(ior, (material.alpha_x * material.alpha_y).sqrt());
-        self.sets.each_ref().map(|set| set.base(&albedo))
+        self.sets.each_ref().map(|set| set.base(&albedo, &light))
     }
 
     /// The specular basis of `material`, twice: what its `rho_s` is the factor of.
@@ -279,15 +293,15 @@ impl Gathered {
         self.numbered(|i| self.probes[i].throughput * lobes.of(i, shape))
     }
 
-    /// `D` under the lobe of a dielectric of this `albedo`.
-    fn base(&self, albedo: &LobeAlbedo) -> Vec<Rgb> {
+    /// `D`, or its part in this `light`, under the lobe of a dielectric of this `albedo`.
+    fn base(&self, albedo: &LobeAlbedo, light: &(impl Fn(&Probe) -> Rgb + Sync)) -> Vec<Rgb> {
         self.numbered(|i| {
             let probe = &self.probes[i];
             let share = match &self.coated {
                 Some(coated) => coated.base(i, probe, albedo),
                 None => 1.0 - albedo.at(probe.wo.z),
             };
-            share * probe.throughput * probe.diffuse
+            share * probe.throughput * light(probe)
         })
     }
 
@@ -336,6 +350,7 @@ impl Evidence {
             point: glam::Vec3::ZERO,
             emitted: Rgb::ZERO,
             diffuse: irradiance * std::f32::consts::FRAC_1_PI,
+            straight: irradiance * std::f32::consts::FRAC_1_PI,
             mirror: Rgb::ZERO,
             mirrored: None,
             first: (i * lights.len()) as u32,

@@ -118,7 +118,7 @@ pub(crate) fn candidates(
 
 /// For a texture under this `lobe`, at every pixel of its group: while the light still changes, and at the end.
 pub(crate) fn texture(last: bool, lobe: &Material, options: &Options) -> SampleBudget {
-    let cosine = options.effort.samples(if last { 48 } else { 4 });
+    let cosine = options.effort.samples(if last { 8 } else { 2 });
     let mut probe = ProbeSettings { cosine, seed: options.seed, ..ProbeSettings::default() };
     if lobe.is_glossy() {
         probe.lobes = ProposalLobe::round(&[lobe.alpha_x]);

@@ -122,6 +122,7 @@ mod tests {
             point: v(3),
             emitted: v(4),
             diffuse: v(5),
+            straight: v(16),
             mirror: v(6),
             mirrored: (i == 1).then(|| Mirrored { object: 7, point: v(8) }),
             first: 2 * i,

@@ -214,6 +214,7 @@ mod tests {
                 point: Vec3::ZERO,
                 emitted: Rgb::ZERO,
                 diffuse: Rgb::ZERO,
+                straight: Rgb::ZERO,
                 mirror: Rgb::ZERO,
                 mirrored: None,
                 first,

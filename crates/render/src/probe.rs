@@ -25,7 +25,7 @@ use crate::bsdf::lobe::GlossyLobe;
 use crate::bsdf::{lambert, mirror};
 use crate::camera_sample::camera_ray;
 use crate::guiding::VmfMixture;
-use crate::path::{MAX_BOUNCES, RayHit, Transport, VisibleLight};
+use crate::path::{MAX_BOUNCES, RayHit, Start, Transport, VisibleLight};
 use crate::query::Query;
 use crate::radiance_cache::CacheLookup;
 use crate::sampler::Sampler;
@@ -116,6 +116,8 @@ pub struct Probe {
     pub emitted: Rgb,
     /// `D`: the radiance of a white diffuse surface.
     pub diffuse: Rgb,
+    /// The part of `D` that comes straight from lights, or by way of planar mirrors: shadows have edges in it alone.
+    pub straight: Rgb,
     /// `M`: the radiance of a perfect mirror; zero if not asked for.
     pub mirror: Rgb,
     /// The surface in the mirror direction, if asked for and present.
@@ -293,8 +295,10 @@ impl<'a> Gatherer<'a> {
         let wo_local = surface.frame.local_from_viewer(wo);
         let first = out.incident.len();
         let images = self.transport.images(&surface);
+        let [received, straight] = [Rgb::ZERO; 2];
+        let wo = wo_local;
         let mut gathering =
-            Gathering { gatherer: self, surface, wo: wo_local, bounces, images, out };
+            Gathering { gatherer: self, surface, wo, bounces, images, received, straight, out };
         // Mirrors on the way may have used up all bounces.
         let reflects = bounces < self.settings.max_bounces;
         if reflects && wo_local.z > 0.0 {
@@ -302,9 +306,7 @@ impl<'a> Gatherer<'a> {
             gathering.directions(pixel, index);
         }
         let mirror = if reflects { gathering.mirror(pixel, index) } else { None };
-        let mesh = surface.frame.local_from_world(surface.mesh_normal);
-        let lit = |wi: Vec3| if surface.shades_itself { lambert::lit(mesh, wi) } else { 1.0 };
-        let total: Rgb = out.incident[first..].iter().map(|i| i.irradiance * lit(i.wi)).sum();
+        let [received, straight] = [gathering.received, gathering.straight];
         if !self.settings.keep_incident {
             out.incident.truncate(first);
         }
@@ -315,7 +317,8 @@ impl<'a> Gatherer<'a> {
             wo: wo_local,
             point: surface.point,
             emitted: self.transport.emitted(&surface),
-            diffuse: total * FRAC_1_PI,
+            diffuse: received * FRAC_1_PI,
+            straight: straight * FRAC_1_PI,
             mirror: mirror.as_ref().map_or(Rgb::ZERO, |m| m.radiance),
             mirrored: mirror.and_then(|m| m.surface),
             first: first as u32,
@@ -361,6 +364,9 @@ struct Gathering<'a, 'b> {
     bounces: u32,
     /// The lobes about the images of lamps, if there are any.
     images: VmfMixture,
+    /// What a white base received so far, and the part that came straight from lights.
+    received: Rgb,
+    straight: Rgb,
     out: &'b mut Probes,
 }
 
@@ -393,7 +399,8 @@ impl Gathering<'_, '_> {
                     Some(pdf) => pdf / (count as f32 * pdf + self.density(wi) * by_direction),
                     None => 1.0 / count as f32,
                 };
-                self.keep(wi, weight * factor);
+                let received = self.keep(wi, weight * factor);
+                self.straight += received;
             }
         }
     }
@@ -441,22 +448,31 @@ impl Gathering<'_, '_> {
         let emitted = filter * transport.scaled(&hit.emission);
         if emitted != Rgb::ZERO {
             let by_light = lights * transport.light_pdf(&self.surface, &hit);
-            self.keep(wi, emitted * probability / (density * probability + by_light));
+            let density = density * probability + by_light;
+            let received = self.keep(wi, emitted * probability / density);
+            self.straight += received;
         }
         let Some(next) = hit.surface else { return };
         let samples = self.gatherer.settings.cosine;
         let trail = MirrorTrail::new(&self.surface, density, samples);
         let trail = hit.way.is_open.then_some(trail);
         let (wo, bounce) = (-hit.way.direction, self.bounces + 1);
-        let reflected = transport.reflected(next, wo, &mut sampler, bounce, trail);
+        let reflected = transport.reflected(next, wo, &mut sampler, Start::of_many(bounce), trail);
         self.keep(wi, filter * reflected / density);
     }
 
-    fn keep(&mut self, wi: Vec3, weighted_radiance: Rgb) {
+    /// Keeps a sample; returns what a white base receives of it.
+    fn keep(&mut self, wi: Vec3, weighted_radiance: Rgb) -> Rgb {
         let irradiance = weighted_radiance * wi.z;
-        if irradiance.max_element() > 0.0 && irradiance.is_finite() {
-            self.out.incident.push(Incident { wi, irradiance });
+        if !(irradiance.max_element() > 0.0 && irradiance.is_finite()) {
+            return Rgb::ZERO;
         }
+        self.out.incident.push(Incident { wi, irradiance });
+        let Surface { frame, mesh_normal, shades_itself, .. } = &self.surface;
+        let lit = || lambert::lit(frame.local_from_world(*mesh_normal), wi);
+        let received = if *shades_itself { irradiance * lit() } else { irradiance };
+        self.received += received;
+        received
     }
 
     /// Traces the mirror direction; none if not asked for, or if the direction lies below the
@@ -478,8 +494,8 @@ impl Gathering<'_, '_> {
             emitted += way.passage.filter * transport.scaled(&emission);
             let Some(next) = surface else { continue };
             let (wo, bounce) = (-way.direction, self.bounces + 1);
-            reflected +=
-                way.passage.filter * transport.reflected(next, wo, &mut sampler, bounce, None);
+            reflected += way.passage.filter
+                * transport.reflected(next, wo, &mut sampler, Start::of_many(bounce), None);
         }
         let radiance = emitted / count as f32 + reflected / count as f32;
         let next = transport.shown(&Transport::leave(&self.surface, wi));

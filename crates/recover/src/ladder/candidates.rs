@@ -185,18 +185,20 @@ impl<'o> Candidates<'o> {
         answer
     }
 
-    /// Textures for the groups whose pixels predict each other by one, and the best uniform hypotheses for those with a
+    /// Textures for those of `groups` whose pixels predict each other by one, and the best uniform hypotheses for those with a
     /// texture whose pixels do not.
     pub(crate) fn textures(
         &mut self,
         guess: &mut Guess<'_>,
+        groups: &[usize],
         level: Level,
         progress: &mut Progress<'_>,
     ) -> Vec<Proposal> {
-        let mut groups = guess.visible_unknowns();
-        // No contrast is as large as an infinite one.
-        groups.retain(|_| self.options.thresholds.textured.is_finite());
         let mut proposals = Vec::new();
+        // No contrast is as large as an infinite one.
+        if self.options.thresholds.textured.is_infinite() {
+            return proposals;
+        }
         for (n, &group) in groups.iter().enumerate() {
             if progress.is_cancelled() {
                 break;

@@ -1,9 +1,10 @@
 //! What the photograph shows of a group, pixel by pixel, and the light that arrives there.
 
+use super::smooth::Surfaces;
 use crate::evidence::Light;
 use crate::observe::observation::{Noise, Reading};
 use crate::observe::sample::Stage;
-use rayon::prelude::*;
+use glam::Vec3;
 use unrender_render::{Appearance, GeometryBuffers, ProbeSettings};
 use unrender_scene::{Material, Rgb};
 
@@ -17,8 +18,11 @@ pub(super) struct Lit {
     /// The photograph's radiance, and its noise.
     pub(super) shown: Vec<Rgb>,
     pub(super) noise: Vec<Noise>,
-    /// The radiance of a white base there.
+    /// The points that they show, world space, metres.
+    pub(super) points: Vec<Vec3>,
+    /// The radiance of a white base there, and the part of it that comes straight from lights.
     pub(super) base: [Vec<Rgb>; 2],
+    pub(super) straight: [Vec<Rgb>; 2],
     /// The radiance of the lobe above it.
     pub(super) shine: [Vec<Rgb>; 2],
 }
@@ -57,7 +61,9 @@ impl Lit {
             pixels: pixels.to_vec(),
             shown: observed.iter().map(|seen| seen.radiance).collect(),
             noise: observed.iter().map(|seen| seen.noise).collect(),
+            points: light.sets[0].first().map(|probe| probe.point).collect(),
             base: light.base(material),
+            straight: light.straight(material),
             shine,
         };
         let counts: Vec<bool> =
@@ -70,8 +76,10 @@ impl Lit {
         self.pixels.extend(other.pixels);
         self.shown.extend(other.shown);
         self.noise.extend(other.noise);
-        self.base.iter_mut().zip(other.base).for_each(|(all, more)| all.extend(more));
-        self.shine.iter_mut().zip(other.shine).for_each(|(all, more)| all.extend(more));
+        self.points.extend(other.points);
+        let light = self.base.iter_mut().chain(&mut self.straight).chain(&mut self.shine);
+        let more = other.base.into_iter().chain(other.straight).chain(other.shine);
+        light.zip(more).for_each(|(all, more)| all.extend(more));
     }
 
     /// Drops the pixels that are not `kept`.
@@ -83,29 +91,25 @@ impl Lit {
         filter(&mut self.pixels, kept);
         filter(&mut self.shown, kept);
         filter(&mut self.noise, kept);
-        self.base.iter_mut().for_each(|half| filter(half, kept));
-        self.shine.iter_mut().for_each(|half| filter(half, kept));
+        filter(&mut self.points, kept);
+        let light = self.base.iter_mut().chain(&mut self.straight).chain(&mut self.shine);
+        light.for_each(|half| filter(half, kept));
     }
 
-    /// The same with the light averaged over the neighbours that show the same object: it changes slowly.
-    pub(super) fn smoothed(mut self, geometry: &GeometryBuffers) -> Self {
-        let mut index = vec![u32::MAX; geometry.pixels().len()];
-        self.pixels.iter().enumerate().for_each(|(i, pixel)| index[*pixel as usize] = i as u32);
-        let smooth = |light: &Vec<Rgb>| -> Vec<Rgb> {
-            let mean = |pixel: &u32| {
-                let centre = geometry.pixels()[*pixel as usize].object;
-                let near = geometry.neighbourhood(*pixel as usize);
-                let same = near.filter(|&n| geometry.pixels()[n].object == centre);
-                let (sum, count) = same
-                    .filter_map(|n| light.get(index[n] as usize))
-                    .fold((Rgb::ZERO, 0.0), |(sum, count), v| (sum + *v, count + 1.0));
-                sum / f32::max(count, 1.0)
-            };
-            self.pixels.par_iter().with_min_len(256).map(mean).collect()
+    /// The same with the light averaged over pixels that show the same surface: over neighbours, and what comes by way of other
+    /// surfaces, which has no edges, over more.
+    pub(super) fn smoothed(self, geometry: &GeometryBuffers) -> Self {
+        let (pixels, points) = (&self.pixels, &self.points);
+        let surfaces = Surfaces { geometry, pixels, points };
+        let slow = |half: usize| -> Vec<Rgb> {
+            let both = self.base[half].iter().zip(&self.straight[half]);
+            both.map(|(all, straight)| *all - *straight).collect()
         };
-        (self.base, self.shine) =
-            (self.base.each_ref().map(smooth), self.shine.each_ref().map(smooth));
-        self
+        let [straight, slow] = [surfaces.near(&self.straight), surfaces.far(&[0, 1].map(slow))];
+        let sum = |half: usize| straight[half].iter().zip(&slow[half]).map(|(a, b)| *a + *b);
+        let base = [0, 1].map(|half| sum(half).collect());
+        let shine = surfaces.near(&self.shine);
+        Self { base, straight, shine, ..self }
     }
 
     /// The relative noise of the mean of both halves of the base's light.

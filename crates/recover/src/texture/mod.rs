@@ -15,6 +15,7 @@ mod lit;
 mod look;
 mod near;
 mod pattern;
+mod smooth;
 #[cfg(test)]
 mod tests;
 mod texels;

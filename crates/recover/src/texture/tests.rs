@@ -68,6 +68,7 @@ fn predicted(period: f32, pixels: impl Fn(usize, usize) -> Pixel) -> Pattern {
         noise: vec![Noise::NONE; all.len()],
         base: [half(0), half(1)],
         shine: [vec![Rgb::ZERO; all.len()], vec![Rgb::ZERO; all.len()]],
+        ..Lit::default()
     };
     let uniform = [0, 1].map(|h: usize| -> Vec<Rgb> {
         all.iter().map(|p| Rgb::splat(0.4 * p.known[h] + p.lobe)).collect()

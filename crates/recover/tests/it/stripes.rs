@@ -283,6 +283,7 @@ impl Renderer for Stripes {
                 point: at.uv.extend(0.0),
                 emitted: Rgb::ZERO,
                 diffuse: irradiance * FRAC_1_PI,
+                straight: irradiance * FRAC_1_PI,
                 mirror: Self::mirror(Self::wo(pixel)),
                 mirrored: None,
                 first,

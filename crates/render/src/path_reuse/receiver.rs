@@ -4,7 +4,7 @@
 use crate::accel::Ray;
 use crate::bsdf::{Bsdf, lambert};
 use crate::guiding::VmfMixture;
-use crate::path::{LocalBsdf, PathObserver, RadianceSum, Transport, Vertex};
+use crate::path::{LocalBsdf, PathObserver, RadianceSum, Start, Transport, Vertex};
 use crate::path_reuse::reused::ReusableVertex;
 use crate::sampler::Sampler;
 use crate::surface::{Frame, Surface};
@@ -68,7 +68,8 @@ impl Receiver {
         let local = transport.bsdf(&surface);
         let LocalBsdf { bsdf, frame } = &local;
         if !transport.reflects(0) || bsdf.is_black() || bsdf.is_pure_mirror() {
-            let reflected = transport.reflected(surface, -ray.direction, sampler, 0, None);
+            let reflected =
+                transport.reflected(surface, -ray.direction, sampler, Start::after(0), None);
             return CameraHit::Radiance(transport.emitted(&surface) + reflected);
         }
         CameraHit::Receiver(Self {
@@ -121,7 +122,7 @@ impl Receiver {
             let reusable = ReusableVertex::new(transport, surface, -wi, sampler);
             return Contribution { radiance, reusable };
         }
-        let reflected = transport.reflected(surface, -wi, sampler, 1, trail);
+        let reflected = transport.reflected(surface, -wi, sampler, Start::after(1), trail);
         Contribution { radiance: radiance + sample.weight * reflected, reusable: None }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::bsdf::Specular;
 use crate::guiding::VmfMixture;
-use crate::path::{LocalBsdf, Transport, VisibleLight};
+use crate::path::{LocalBsdf, Start, Transport, VisibleLight};
 use crate::sampler::Sampler;
 use crate::surface::Surface;
 use glam::Vec3;
@@ -68,7 +68,8 @@ impl ReusableVertex {
         }
         let reflection = if local.bsdf.specular == Specular::None {
             let paths = PATHS[usize::from(transport.has_several_lights())];
-            let each = (0..paths).map(|_| transport.reflected(surface, wo, sampler, 1, None));
+            let each = (0..paths)
+                .map(|_| transport.reflected(surface, wo, sampler, Start::after(1), None));
             let radiance = each.sum::<Rgb>() / paths as f32;
             (radiance != Rgb::ZERO).then_some(Reflection::Diffuse(radiance))
         } else {
@@ -125,7 +126,8 @@ impl GlossyReflection {
         self.incident[1] =
             incident(transport.scaled(&hit.emission), transport.light_pdf(surface, &hit));
         if let Some(next) = hit.surface {
-            self.incident[2] = incident(transport.reflected(next, -wi, sampler, 2, None), 0.0);
+            self.incident[2] =
+                incident(transport.reflected(next, -wi, sampler, Start::after(2), None), 0.0);
         }
     }
 

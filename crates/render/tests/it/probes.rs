@@ -240,6 +240,23 @@ fn probes_end_paths_where_the_rendering_does() {
 }
 
 #[test]
+fn what_comes_straight_from_lights_is_all_light_of_one_bounce() {
+    let room = Room::new(true, WardModel::default(), Rgb::ZERO);
+    let plate = Material::diffuse(Rgb::splat(0.5));
+    let gathered = |max_bounces| {
+        let settings = ProbeSettings { max_bounces, ..gather_all() };
+        room.probes(&plate, &settings).probes
+    };
+    let (all, direct) = (gathered(20), gathered(1));
+    assert_eq!(all.len(), direct.len());
+    for (all, direct) in all.iter().zip(&direct) {
+        assert_eq!([all.straight, direct.straight], [direct.diffuse; 2]);
+    }
+    let sum = |of: &dyn Fn(&Probe) -> Rgb| all.iter().map(of).sum::<Rgb>();
+    assert!(sum(&|probe| probe.diffuse).cmpgt(1.2 * sum(&|probe| probe.straight)).all());
+}
+
+#[test]
 fn mirrors_on_the_way_count_as_bounces() {
     let (stage, view, target) = periscope();
     let (tracer, materials) = (stage.tracer(), stage.scene.materials());
