@@ -41,6 +41,12 @@ cp crates/unrender/tests/external/report_browser/*.{json,mjs} "$out/browser"
 npm ci --prefix "$out/browser"
 node "$out/browser/screenshot.mjs" "$out/hero/result/report.html" docs/images/report.png 1440 1000 light
 
+# The page of `unrender view`, in other light.
+cargo run --release -- view "$out/room" --no-open --spp 256
+node "$out/browser/screenshot.mjs" "$out/room/view.html" docs/images/view.jpg 1440 900 light "" \
+    'for (const lamp of ["ceiling_panel", "spot"]) unrender.lamp(lamp, [0, 0, 0]);
+        unrender.lamp("globe", [2, 2, 2]); unrender.colour("sofa", [0.5, 0.06, 0.05])'
+
 # The second of the README, of the materials of Figure 8, with less noise than there: the photograph,
 # the view with these materials, and the photograph without the small block.
 [ -e out/materials.json ] || cargo run --release -- recover examples/fig8/fig8.toml --out out

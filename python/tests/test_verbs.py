@@ -30,6 +30,7 @@ VERBS: dict[str, Callable[..., object]] = {
     "restage": unrender.restage,
     "score": unrender.score,
     "split": unrender.split,
+    "view": unrender.view,
 }
 # Functions return values instead of printing them.
 # `resume` continues from the files of a killed process in a folder.
@@ -117,6 +118,21 @@ def test_report_and_export_write_their_files(recovery: unrender.Recovery, tmp_pa
     assert glb.read_bytes()[:4] == b"glTF"
     with pytest.raises(unrender.RequestError, match="to"):
         unrender.export(recovery, to="paper", out=tmp_path / "x")
+
+
+def test_a_page_of_light_and_colours_is_written_and_shown_inline(
+    recovery: unrender.Recovery, tmp_path: Path
+) -> None:
+    folder = recovery.save(tmp_path / "results")
+    page = recovery.view(spp=8)
+    assert page.path == folder / "view.html"
+    assert page.html == (folder / "view.html").read_text(encoding="utf-8")
+    inline = page._repr_html_()
+    assert inline.startswith("<iframe srcdoc=")
+    assert "allow-same-origin" not in inline
+    again = unrender.view(folder, no_open=True, spp=8, out=tmp_path / "page.html")
+    assert again.html == page.html
+    assert again.save(tmp_path / "copy.html").read_text(encoding="utf-8") == page.html
 
 
 def test_lights_are_made_brighter_by_their_layers(corpus: Path, tmp_path: Path) -> None:

@@ -27,6 +27,7 @@ from .errors import (
     UnrenderWarning,
 )
 from .materials import Materials
+from .page import Page
 from .pictures import Picture, read_picture
 from .project import Project
 from .recovery import Covariance, Recovery, recover
@@ -48,6 +49,7 @@ from .verbs import (
     restage,
     score,
     split,
+    view,
 )
 
 __all__ = [
@@ -66,6 +68,7 @@ __all__ = [
     "Light",
     "Materials",
     "Mesh",
+    "Page",
     "Picture",
     "Plan",
     "Proposed",
@@ -93,4 +96,5 @@ __all__ = [
     "restage",
     "score",
     "split",
+    "view",
 ]

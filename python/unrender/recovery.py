@@ -20,6 +20,7 @@ from . import _tables, _unrender
 from ._control import CancelToken, Progress, StrPath, control, words
 from .errors import Interrupted, RequestError
 from .materials import Materials
+from .page import Page
 from .pictures import Picture, read_picture
 from .project import Project, ProjectParts
 from .scene import Camera, Scene
@@ -279,6 +280,29 @@ class Recovery:
             place = Path(folder) / "results"
             self._whole().save(os.fspath(place))
             yield place
+
+    def view(
+        self,
+        *,
+        project: StrPath | None = None,
+        spp: int = 64,
+        seed: int = 0,
+        progress: Progress = None,
+        cancel: CancelToken | None = None,
+    ) -> Page:
+        """A page on which its lamps and colours are played with, which notebooks show inline; as
+        :func:`unrender.view` makes it."""
+        from .verbs import view
+
+        return view(
+            self,
+            project=project,
+            no_open=True,
+            spp=spp,
+            seed=seed,
+            progress=progress,
+            cancel=cancel,
+        )
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table with a row per group and a column per parameter; standard deviations are in

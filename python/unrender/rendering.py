@@ -38,6 +38,9 @@ def render(
     height: int | None = None,
     denoise: bool = False,
     layers: bool = False,
+    aov: bool = False,
+    colour_space: str | None = None,
+    exposure: float | None = None,
     spp: int | None = None,
     time: float | None = None,
     noise: float | None = None,
@@ -82,6 +85,11 @@ def render(
             with the bias, from two halves of the samples.
         layers: Also write the contribution of each light, as layers of the file ``out``, a .exr;
             with these :func:`relight` makes lights brighter and darker.
+        aov: Also write what compositing programs want, as layers of the file ``out``, a .exr: the contribution
+            of each light, direct and indirect light, albedo, normal, position, depth, and Cryptomatte by group.
+        colour_space: The colour space of the file ``out``, a .exr: "lin-rec709", "acescg", "lin-p3d65",
+            "lin-rec2020" or "aces2065-1"; by default the first. The result has that of Rec. 709 in any case.
+        exposure: Makes the picture brighter by this many stops; by default none.
         spp: Samples per pixel, on average; with ``time`` or ``noise`` the most. By default 64
             without those.
         time: Stop after this many seconds; the number of samples then depends on the machine.
@@ -117,6 +125,9 @@ def render(
         "height": height,
         "denoise": denoise,
         "layers": layers,
+        "aov": aov,
+        "colour_space": colour_space,
+        "exposure": exposure,
         "spp": spp,
         "time": time,
         "noise": noise,
@@ -138,8 +149,10 @@ def render(
         flags["camera"] = camera.name
     else:
         flags["camera"] = camera
-    if layers and out is None:
+    if (layers or aov) and out is None:
         raise RequestError("light layers are written to a file: give out")
+    if colour_space is not None and out is None:
+        raise RequestError("a colour space is that of a file: give out")
     inner = scene._inner if isinstance(scene, Scene) else None
     positional = [] if scene is None else [IN_MEMORY if isinstance(scene, Scene) else scene]
     with ExitStack() as stack:
@@ -147,8 +160,8 @@ def render(
         place = stack.enter_context(temporary())
         flags["project"] = stack.enter_context(project_file(project))
         flags["environment"] = panorama_file(environment, place / "environment.exr")
-        if out is not None and (layers or samples is not None):
-            # The command makes samples and light layers, from files.
+        if out is not None and (layers or aov or colour_space is not None or samples is not None):
+            # The command makes samples, light layers and other colour spaces, from files.
             flags["materials"] = materials_file(materials, place / "materials.json")
             flags["out"] = os.fspath(out)
             line = words("render", positional, flags, allow_outside, input_memory, allow_missing)
@@ -186,6 +199,8 @@ def relight(
     *,
     light: Mapping[str, float | Sequence[float]] | None = None,
     only: list[str] | None = None,
+    colour_space: str | None = None,
+    exposure: float | None = None,
     out: StrPath,
     allow_outside: bool = False,
     input_memory: float | None = None,
@@ -193,10 +208,12 @@ def relight(
     """Makes lights of a rendering brighter or darker, at once: by the sum of its light layers.
 
     Args:
-        layers: The file that ``render(..., layers=True, out=...)`` wrote.
+        layers: The file that ``render(..., layers=True, out=...)`` wrote, or one with ``aov=True``.
         light: The factor on the brightness of lights, by name: one for all channels, or three for
             red, green and blue. 0 is off; lights that are not named stay as they are.
         only: The lights that are on; all others are off.
+        colour_space: The colour space of a .exr file, as in :func:`render`.
+        exposure: Makes the picture brighter by this many stops.
         out: The picture to write: .exr, .hdr or .png.
         allow_outside: Whether files outside their folder may be named.
         input_memory: The memory that the layers may take while they are read, GiB.
@@ -210,6 +227,8 @@ def relight(
     flags = {
         "light": [f"{name}={','.join(map(str, numbers))}" for name, numbers in factors],
         "only": only,
+        "colour_space": colour_space,
+        "exposure": exposure,
         "out": out,
     }
     with control(None, None, None) as controls:

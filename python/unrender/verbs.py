@@ -26,6 +26,7 @@ from ._files import (
     temporary,
 )
 from .errors import Cancelled, Interrupted, RequestError
+from .page import Page
 from .pictures import Picture, read_picture
 from .project import Project
 from .recovery import Recovery
@@ -47,6 +48,7 @@ __all__ = [
     "restage",
     "score",
     "split",
+    "view",
 ]
 
 
@@ -326,6 +328,8 @@ def restage(
     composite: bool = False,
     grain: bool = False,
     denoise: bool = False,
+    aov: bool = False,
+    colour_space: str | None = None,
     recovered: Recovery | StrPath | None = None,
     project: Project | StrPath | None = None,
     scene: Scene | StrPath | None = None,
@@ -365,6 +369,8 @@ def restage(
         composite: Composite the change into the photograph, and leave the rest of it as it is.
         grain: Add the noise of the photograph to the synthetic parts of the composite.
         denoise: Remove noise from the pictures, for a small bias.
+        aov: Also write passes.exr for compositing programs, of a composite with shadows and reflections.
+        colour_space: The colour space of .exr files, as in :func:`render`.
         recovered: A recovery to start from, or the folder of one.
         project: The project that was recovered, or the path of its file, for its photograph.
         scene: Start from a scene, or from the path of its file.
@@ -405,6 +411,8 @@ def restage(
             "composite": composite,
             "grain": grain,
             "denoise": denoise,
+            "aov": aov,
+            "colour_space": colour_space,
             "recovered": stack.enter_context(results_folder(recovered)),
             "project": stack.enter_context(project_file(project)),
             "scene": name,
@@ -599,6 +607,47 @@ def report(
         folders = [folder for folder in found if folder is not None]
         _called(words("report", folders, {"out": out}), None, None, None)
         return Path(out) if out is not None else folders[0] / "report.html"
+
+
+def view(
+    result: Recovery | StrPath,
+    *,
+    project: StrPath | None = None,
+    out: StrPath | None = None,
+    no_open: bool = False,
+    spp: int = 64,
+    seed: int = 0,
+    threads: int | None = None,
+    input_memory: float | None = None,
+    progress: Progress = None,
+    cancel: CancelToken | None = None,
+) -> Page:
+    """Makes a page on which the lamps and the colours of a result are played with.
+
+    Args:
+        result: A recovery, or the folder of one.
+        project: Its project; by default the one that it names, else its own scene and photograph.
+        out: The page (.html); by default view.html in the folder of the result.
+        no_open: Do not open the page in a browser.
+        spp: Samples per pixel.
+        seed: Chooses the noise.
+        threads: The number of threads; by default one a core.
+        input_memory: The memory that a picture may take while it is read, GiB.
+        progress: As of :func:`render`.
+        cancel: Cancels the work from another thread.
+
+    Returns:
+        The page; a recovery without a folder leaves no file.
+    """
+    with results_folder(result) as folder:
+        assert folder is not None
+        page = Path(out) if out is not None else folder / "view.html"
+        is_kept = out is not None or not isinstance(result, Recovery) or result.folder is not None
+        # A browser would open a file that is gone by then.
+        no_open = no_open or not is_kept
+        flags = {"project": project, "out": out, "no_open": no_open, "spp": spp, "seed": seed}
+        _called(words("view", [folder], flags, False, input_memory), progress, cancel, threads)
+        return Page(page.read_text(encoding="utf-8"), page if is_kept else None)
 
 
 def _called(

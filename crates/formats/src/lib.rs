@@ -7,6 +7,7 @@
 //!
 //! Writers never leave half a file: see [`atomic`].
 
+pub mod ascii_json;
 pub mod atomic;
 pub mod cameras;
 mod entry;

@@ -63,8 +63,10 @@ pub fn write(
     let size = (planes.width, planes.height);
     let channels = AnyChannels::sort(channels);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels);
+    let mut image = Image::from_layer(layer);
+    image.attributes.chromaticities = Some(picture::ColourSpace::LinRec709.chromaticities());
     let mut bytes = Cursor::new(Vec::new());
-    Image::from_layer(layer)
+    image
         .write()
         .to_buffered(&mut bytes)
         .map_err(|error| FileError::new(path, format!("cannot be encoded: {error}")))?;

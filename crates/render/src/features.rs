@@ -125,15 +125,15 @@ impl Tracer {
 }
 
 /// The rays of the features of a picture.
-struct FeatureRays<'a> {
-    transport: Transport<'a>,
-    camera: &'a Camera,
+pub(crate) struct FeatureRays<'a> {
+    pub(crate) transport: Transport<'a>,
+    pub(crate) camera: &'a Camera,
     samples: PixelSamples,
-    size: (usize, usize),
+    pub(crate) size: (usize, usize),
 }
 
 impl<'a> FeatureRays<'a> {
-    fn new(
+    pub(crate) fn new(
         tracer: &'a Tracer,
         appearance: Appearance<'a>,
         camera: &'a Camera,
@@ -144,14 +144,18 @@ impl<'a> FeatureRays<'a> {
         Self { transport, camera, samples: settings.pixels(size.0), size }
     }
 
+    /// The rays of the first `count` samples of a pixel.
+    pub(crate) fn of(&self, pixel: usize, count: u32) -> impl Iterator<Item = Ray> + '_ {
+        (0..count).map(move |index| {
+            let mut sampler = self.samples.sampler(pixel as u32, index);
+            camera_ray(self.camera, self.size, pixel as u32, &mut sampler)
+        })
+    }
+
     /// The features of the first `count` samples of a pixel.
     fn mean(&self, pixel: usize, count: u32) -> PixelFeatures {
         let mut sums = Sums::default();
-        for index in 0..count {
-            let mut sampler = self.samples.sampler(pixel as u32, index);
-            let ray = camera_ray(self.camera, self.size, pixel as u32, &mut sampler);
-            self.transport.add_features(ray, &mut sums);
-        }
+        self.of(pixel, count).for_each(|ray| self.transport.add_features(ray, &mut sums));
         sums.mean(count)
     }
 }

@@ -27,6 +27,14 @@ pub struct PixelGeometry {
     pub front: bool,
 }
 
+/// Normals of one surface have a cosine above this, 18 degrees. At 9 degrees curved surfaces fall apart, at 36 degrees
+/// faces at an edge are mixed up.
+const SAME_NORMAL: f32 = 0.95;
+/// A point is of the surface of a pixel if its distance from the tangent plane there is below this share of the
+/// depth, which is about the size of a pixel. Half of it breaks curved surfaces up, double of it mixes up thin
+/// layers.
+const SAME_PLANE: f32 = 2e-3;
+
 /// The geometry of all pixels.
 pub type GeometryBuffers = Image<PixelGeometry>;
 
@@ -41,6 +49,14 @@ impl PixelGeometry {
         uv: Vec2::ZERO,
         front: true,
     };
+
+    /// Whether a point of `object`, with its unit `normal` and `away` from the point that the pixel shows, metres, is of the
+    /// same surface.
+    pub fn shows(&self, object: u32, normal: Vec3, away: Vec3) -> bool {
+        self.object == object
+            && self.normal.dot(normal) > SAME_NORMAL
+            && away.dot(self.normal).abs() < SAME_PLANE * self.depth
+    }
 }
 
 impl Tracer {

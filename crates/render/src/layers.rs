@@ -5,7 +5,10 @@
 //! 1995]. Each event of a path that finds light belongs to the layer of its source. The picture itself is
 //! added up beside the layers, by the same operations as without them: it has the bits of
 //! [`crate::Integrator::Path`].
+//!
+//! One more layer may have the direct light: that of paths with one reflection at most.
 
+use crate::accel::Ray;
 use crate::adaptive::SampleAllocation;
 use crate::appearance::{Appearance, LightSource, SourceLayout};
 use crate::bsdf::BsdfSample;
@@ -14,6 +17,7 @@ use crate::film::{Accumulator, PixelAccumulator};
 use crate::integrator::CHUNK;
 use crate::path::{DirectLight, Emission, PathObserver, RadianceSum, Transport, Vertex, Way};
 use crate::radiance_cache::Cached;
+use crate::sampler::Sampler;
 use crate::settings::Settings;
 use crate::tracer::Tracer;
 use rayon::prelude::*;
@@ -52,6 +56,22 @@ pub fn relight(layers: &[RgbImage], factors: &[Rgb]) -> Option<RgbImage> {
     Some(RgbImage::new(width, height, sum))
 }
 
+/// The mean of `picture` without its `direct` light, of the same samples: with that it adds up to the picture.
+///
+/// # Panics
+/// If the two differ in size.
+pub fn indirect(picture: &Accumulator, direct: &Accumulator) -> RgbImage {
+    let (width, height) = picture.size();
+    assert_eq!(direct.size(), (width, height), "sums of one picture have one size");
+    let pairs = picture.image().pixels().iter().zip(direct.image().pixels());
+    let rest = |(whole, direct): (&PixelAccumulator, &PixelAccumulator)| {
+        // A sample's parts add up to it but for rounding.
+        let sum = [0, 1, 2].map(|channel| whole.sum[channel].saturating_sub(direct.sum[channel]));
+        PixelAccumulator { sum, ..*whole }.mean()
+    };
+    RgbImage::new(width, height, pairs.map(rest).collect())
+}
+
 impl Tracer {
     /// The sources that have a layer, by their place in [`SourceLayout`], ascending: those that emit.
     pub fn light_sources(&self) -> Vec<usize> {
@@ -66,7 +86,8 @@ impl Tracer {
 
     /// As [`Tracer::accumulate`], by independent paths whatever `settings.integrator` says: adds the samples to the
     /// first of `layers`, which is the picture, and the contribution of each of [`Tracer::light_sources`] to one of the
-    /// layers behind that, in their order.
+    /// layers behind that, in their order. One more layer, if there is one, gets the direct light: what is seen to emit, and
+    /// the light that has been reflected once.
     ///
     /// # Panics
     /// If there is another number of layers, or they differ in size.
@@ -79,18 +100,17 @@ impl Tracer {
         layers: &mut [Accumulator],
         progress: &(dyn Fn(f64) + Sync),
     ) {
-        let sources = self.light_sources();
-        assert_eq!(layers.len(), 1 + sources.len(), "one layer a source, and the picture");
+        let split = LightSplit::new(self);
+        let behind = layers.len() - 1;
+        let is_complete = [split.sources, split.sources + 1].contains(&behind);
+        assert!(is_complete, "one layer a source, and the picture");
         let size = layers[0].size();
         assert!(layers.iter().all(|layer| layer.size() == size), "layers have one size");
-        let layout = self.emitters.layout();
-        let mut layer_of = vec![NO_LAYER; layout.count()];
-        sources.iter().enumerate().for_each(|(layer, &place)| layer_of[place] = layer);
         let transport = Transport::new(self, appearance.into(), settings.max_bounces);
-        let picture = LayeredPicture { transport, layout, layer_of, camera, size, settings };
+        let picture = LayeredPicture { transport, split, camera, size, settings };
         let done = AtomicUsize::new(0);
         chunks(layers).into_par_iter().enumerate().for_each(|(chunk, mut layers)| {
-            let mut light = vec![Rgb::ZERO; sources.len()];
+            let mut light = picture.split.sums();
             for offset in 0..layers[0].len() {
                 let pixel = chunk * CHUNK + offset;
                 for index in samples.of(pixel) {
@@ -123,23 +143,59 @@ fn chunks(layers: &mut [Accumulator]) -> Vec<Vec<&mut [PixelAccumulator]>> {
 /// A picture whose light is separated by source.
 struct LayeredPicture<'a> {
     transport: Transport<'a>,
-    layout: &'a SourceLayout,
-    /// The layer of each source.
-    layer_of: Vec<usize>,
+    split: LightSplit<'a>,
     camera: &'a Camera,
     size: (usize, usize),
     settings: &'a Settings,
 }
 
 impl LayeredPicture<'_> {
-    /// The radiance of a sample, and in `light` that of each layer.
+    /// The radiance of a sample, and in `light` what [`LightSplit::radiance`] puts there.
     fn sample(&self, pixel: u32, index: u32, light: &mut [Rgb]) -> Rgb {
-        light.fill(Rgb::ZERO);
         let mut sampler = self.settings.pixels(self.size.0).sampler(pixel, index);
         let ray = camera_ray(self.camera, self.size, pixel, &mut sampler);
-        let Self { transport, layout, layer_of, .. } = self;
-        let mut sums = LightSums { whole: RadianceSum::new(transport), layout, layer_of, light };
-        transport.trace_ray(&ray, &mut sampler, &mut sums);
+        self.split.radiance(&self.transport, &ray, &mut sampler, light)
+    }
+}
+
+/// Light separated by source, and direct light.
+pub struct LightSplit<'a> {
+    layout: &'a SourceLayout,
+    /// The layer of each source.
+    layer_of: Vec<usize>,
+    /// The number of sources that have a layer.
+    sources: usize,
+}
+
+impl<'a> LightSplit<'a> {
+    /// The light of the scene of `tracer`.
+    pub fn new(tracer: &'a Tracer) -> Self {
+        let (layout, sources) = (tracer.emitters.layout(), tracer.light_sources());
+        let mut layer_of = vec![NO_LAYER; layout.count()];
+        sources.iter().enumerate().for_each(|(layer, &place)| layer_of[place] = layer);
+        Self { layout, layer_of, sources: sources.len() }
+    }
+
+    /// Zero for each of [`Tracer::light_sources`], and for the direct light behind them.
+    pub fn sums(&self) -> Vec<Rgb> {
+        vec![Rgb::ZERO; self.sources + 1]
+    }
+
+    /// The radiance that arrives along `ray`, with the bits of [`Transport::radiance`]. `light` has as many places as
+    /// [`LightSplit::sums`], and gets the part of each source and the direct light.
+    pub fn radiance(
+        &self,
+        transport: &Transport<'_>,
+        ray: &Ray,
+        sampler: &mut Sampler,
+        light: &mut [Rgb],
+    ) -> Rgb {
+        light.fill(Rgb::ZERO);
+        let Self { layout, layer_of, .. } = self;
+        let whole = RadianceSum::new(transport);
+        let [light @ .., direct] = light else { return Rgb::ZERO };
+        let mut sums = LightSums { whole, layout, layer_of, light, direct, reflections: 0 };
+        transport.trace_ray(ray, sampler, &mut sums);
         sums.whole.radiance
     }
 }
@@ -150,13 +206,19 @@ struct LightSums<'a> {
     layout: &'a SourceLayout,
     layer_of: &'a [usize],
     light: &'a mut [Rgb],
+    direct: &'a mut Rgb,
+    /// The reflections of the path so far.
+    reflections: u32,
 }
 
 impl LightSums<'_> {
-    /// Adds `radiance` that `source` would cause in the scene as it is.
-    fn add(&mut self, source: LightSource, radiance: Rgb) {
+    /// Adds `radiance` that `source` would cause in the scene as it is, by way of so many reflections.
+    fn add(&mut self, source: LightSource, radiance: Rgb, reflections: u32) {
         if radiance == Rgb::ZERO {
             return;
+        }
+        if reflections <= 1 {
+            *self.direct += radiance * self.whole.appearance.brightness(self.layout, source);
         }
         let first = self.layout.index(source);
         let mut put = |place: u32, share: f32| {
@@ -183,16 +245,19 @@ impl PathObserver for LightSums<'_> {
         self.whole.record_direct(throughput, at, light);
         let arriving = light.sample.weight * light.transmittance;
         let radiance = throughput * (light.f_cos * arriving * light.mis);
-        self.add(light.sample.source, radiance);
+        let by_mirrors = light.passed.all().len() as u32;
+        self.add(light.sample.source, radiance, self.reflections + 1 + by_mirrors);
     }
 
-    fn record_bounce(&mut self, _: &Vertex<'_>, _: &BsdfSample, _: f32) {}
+    fn record_bounce(&mut self, _: &Vertex<'_>, _: &BsdfSample, _: f32) {
+        self.reflections += 1;
+    }
 
     fn record_glass(&mut self, _: &Way) {}
 
     fn record_emission(&mut self, throughput: Rgb, emission: &Emission, mis: f32) {
         self.whole.record_emission(throughput, emission, mis);
-        self.add(emission.source, throughput * emission.radiance * mis);
+        self.add(emission.source, throughput * emission.radiance * mis, self.reflections);
     }
 
     fn record_cache_hit(&mut self, throughput: Rgb, cached: &Cached) {

@@ -11,6 +11,7 @@
 //!  - [`Tracer::geometry`]: object, group, depth and normal of each pixel (module [`geometry`]);
 //!  - [`Tracer::features`]: what the camera sees at first hit, averaged over each pixel (module [`features`]), and
 //!    with it [`Tracer::denoise`]: a picture with less noise and a small bias (module [`denoise`]);
+//!  - [`Tracer::first_hits`]: reflectance, normal, position, depth and groups, for compositing (module [`first_hits`]);
 //!  - [`Tracer::accumulate_layers`]: what each light source contributes to a picture (module [`layers`]);
 //!  - [`Tracer::probe`]: the light incident at the surfaces behind given pixels, so that any
 //!    reflectance can be evaluated there without tracing again (module [`probe`]), lobe after lobe by [`LobeSums`];
@@ -42,6 +43,7 @@ pub mod environment;
 pub mod explain;
 pub mod features;
 pub mod film;
+pub mod first_hits;
 pub mod geometry;
 pub mod guiding;
 pub mod integrator;
@@ -72,6 +74,7 @@ pub use bsdf::ward::WardLobe;
 pub use explain::BrightPath;
 pub use features::{FeatureBuffers, PixelFeatures};
 pub use film::{Accumulator, Film, PixelAccumulator};
+pub use first_hits::{FirstHits, GROUPS};
 pub use geometry::{GeometryBuffers, NOTHING, PixelGeometry};
 pub use jacobian::{Jacobian, StoredPaths};
 pub use lobe_sums::LobeSums;

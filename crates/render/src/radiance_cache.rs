@@ -31,15 +31,6 @@ pub struct CacheLookup<'a> {
     pub geometry: &'a GeometryBuffers,
 }
 
-/// A point matches the geometry of its pixel if the cosine between the normals is above this, 18
-/// degrees. At 9 degrees curved surfaces miss the cache, at 36 degrees faces at an edge are mixed
-/// up.
-const SAME_NORMAL: f32 = 0.95;
-/// A point matches if its distance from the tangent plane of its pixel is below this share of the
-/// depth, which is about the size of a pixel. Half of it misses curved surfaces, double of it mixes
-/// up thin layers.
-const SAME_PLANE: f32 = 2e-3;
-
 /// Where a path ends in a [`RadianceCache`].
 pub(crate) struct Cached {
     /// The index of the pixel in the cache.
@@ -55,17 +46,13 @@ impl CacheLookup<'_> {
         let (x, y) = self.camera.project(surface.point, width, height)?;
         let (column, row) = (x as usize, y as usize);
         let shown = self.geometry.at(column, row);
-        let centre = (column as f32 + 0.5, row as f32 + 0.5);
-        let same_surface = *self.cache.valid.at(column, row)
-            && shown.object == surface.object
-            && shown.normal.dot(surface.mesh_normal) > SAME_NORMAL;
-        if !same_surface {
+        if !*self.cache.valid.at(column, row) {
             return None;
         }
+        let centre = (column as f32 + 0.5, row as f32 + 0.5);
         let direction = self.camera.direction(centre.0, centre.1, width, height);
-        let shown_point = self.camera.origin() + shown.depth * direction;
-        let off_plane = (surface.point - shown_point).dot(shown.normal).abs();
-        (off_plane < SAME_PLANE * shown.depth).then(|| Cached {
+        let away = surface.point - (self.camera.origin() + shown.depth * direction);
+        shown.shows(surface.object, surface.mesh_normal, away).then(|| Cached {
             pixel: (row * width + column) as u32,
             radiance: *self.cache.radiance.at(column, row),
         })

@@ -11,13 +11,14 @@
 //!
 //! Where the same surface is visible, `r = 0`, `A - K = B`, and `C = P + g D`. With the gain `g =
 //! 1` this is differential rendering [Fournier et al. 1993; Debevec 1998]: the residual `P - B` is
-//! kept. With `g = P/B` and `D = A - B` it is the ratio image, `C = P A/B`: the residual is
-//! attributed to reflectance and shaded like it. Where another surface is visible, `r = 1` and `C =
-//! A`.
+//! kept. With `g = P/B` it is the ratio image [Liu et al. 2001], `C = P R` with `R` the ratio `A/B`
+//! without most of its noise ([`crate::pair::smoothed`]): the residual is attributed to reflectance
+//! and shaded like it. Where another surface is visible, `r = 1` and `C = A`.
 //!
-//! The gain is `P/B` where the residual is plausibly reflectance: on surfaces without specular
-//! term, where the photograph is not clipped, `P/B` lies within [`GAIN_MAX`] of one and `B` exceeds
-//! [`SIGMAS`] standard deviations of its noise. Elsewhere it is one.
+//! Where the light becomes less, `R < 1`, it is the ratio: the residual cannot keep light that is
+//! gone. Where it becomes more, it is the ratio where the residual is plausibly reflectance: on
+//! surfaces without specular term, where the photograph is not clipped, `P/B` lies within [`GAIN_MAX`] of one and `B`
+//! exceeds [`SIGMAS`] standard deviations of its noise. Elsewhere the gain is one.
 
 use crate::pair::Paired;
 use unrender_render::{GeometryBuffers, NOTHING};
@@ -43,6 +44,31 @@ pub enum Gain {
     Ratio,
 }
 
+/// How a pixel of a composite was made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum How {
+    /// The photograph's.
+    Untouched,
+    /// The photograph's times the ratio of the light.
+    Ratio,
+    /// The photograph's plus the difference of the light.
+    Difference,
+    /// It shows another surface, at least in part.
+    Replaced,
+    /// As by [`How::Ratio`] or [`How::Difference`], but neither holds: the photograph is clipped or black there, and its light
+    /// changes by more than [`GAIN_MAX`] or its inverse.
+    Neither,
+}
+
+/// A composite.
+#[derive(Clone, Debug)]
+pub struct Composite {
+    /// Radiance, W sr^-1 m^-2 per channel.
+    pub radiance: RgbImage,
+    /// How each pixel was made.
+    pub how: Image<How>,
+}
+
 /// The photograph and the scene that it shows.
 #[derive(Clone, Copy, Debug)]
 pub struct Photograph<'a> {
@@ -56,35 +82,59 @@ pub struct Photograph<'a> {
     pub materials: &'a [Material],
 }
 
-/// The composite; pixels without a change in `touched` keep the radiance of the photograph to the
-/// bit.
+/// The composite of the two renderings `paired` and of the picture `after` the edits, which may be denoised; pixels without
+/// a change in `touched` keep the radiance of the photograph to the bit.
 pub fn composite(
     photograph: &Photograph<'_>,
-    paired: &Image<Paired>,
+    (paired, after): (&Image<Paired>, &RgbImage),
     touched: &Image<Option<Rgb>>,
     gain: Gain,
-) -> RgbImage {
+) -> Composite {
     let pixel = |index: usize| {
         let photographed = photograph.radiance.pixels()[index];
-        let Some(change) = touched.pixels()[index] else { return photographed };
-        let pixel = &paired.pixels()[index];
+        let Some(change) = touched.pixels()[index] else { return (photographed, How::Untouched) };
+        let (pixel, after) = (&paired.pixels()[index], after.pixels()[index]);
+        if pixel.replaced == 1.0 {
+            return (after.max(Rgb::ZERO), How::Replaced);
+        }
         let clipped = photograph.clipped.pixels()[index];
         // The model may show that a clipped pixel was brighter.
         let photographed = if clipped { photographed.max(pixel.before) } else { photographed };
         let group = photograph.geometry.pixels()[index].group;
         let specular =
             group == NOTHING || photograph.materials[group as usize].rho_s.max_element() > 0.0;
-        let gain = match gain {
+        let own = |gain: Gain| match gain {
             Gain::Difference => Rgb::ONE,
             Gain::Ratio => ratio(photographed, pixel.before, Rgb::ZERO, f32::INFINITY),
             Gain::Auto if specular || clipped => Rgb::ONE,
             Gain::Auto => ratio(photographed, pixel.before, pixel.before_variance, GAIN_MAX),
         };
+        if pixel.replaced == 0.0 && pixel.before.min_element() > 0.0 && gain != Gain::Difference {
+            let by_ratio = photographed * pixel.ratio;
+            let rises = pixel.ratio.cmpgt(Rgb::ONE);
+            // The change without the noise of the pair, by the brighter picture, whose noise is less.
+            let change = after * (Rgb::ONE - Rgb::ONE / pixel.ratio.max(Rgb::ONE));
+            let by_gain = photographed + own(gain) * change;
+            let made = Rgb::select(rises, by_gain, by_ratio).max(Rgb::ZERO);
+            let is_by_ratio = !rises.any() || own(gain) != Rgb::ONE;
+            let is_lost = clipped || photographed.max_element() <= 0.0;
+            let (least, most) = (pixel.ratio.min_element(), pixel.ratio.max_element());
+            let how = match is_by_ratio {
+                _ if is_lost && least.min(1.0 / most) < 1.0 / GAIN_MAX => How::Neither,
+                true => How::Ratio,
+                false => How::Difference,
+            };
+            return (made, how);
+        }
+        let gain = own(gain);
         let residual = (1.0 - pixel.replaced) * (photographed - pixel.before);
-        (pixel.after - pixel.kept_change + residual + gain * change).max(Rgb::ZERO)
+        let made = pixel.after - pixel.kept_change + residual + gain * change;
+        let how = if pixel.replaced > 0.0 { How::Replaced } else { How::Difference };
+        (made.max(Rgb::ZERO), how)
     };
     let (width, height) = (paired.width(), paired.height());
-    Image::from_fn(width, height, |x, y| pixel(y * width + x))
+    let both = Image::from_fn(width, height, |x, y| pixel(y * width + x));
+    Composite { radiance: both.map(|both| both.0), how: both.map(|both| both.1) }
 }
 
 /// `photographed / before` by channel, or one where it is not significant.

@@ -5,12 +5,12 @@
 use crate::stage::{Stage, some_names};
 use glam::{DVec3, Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
-use unrender_scene::{Group, Light, LightKind, Material, Mesh, Object, Rgb};
+use unrender_scene::{ENVIRONMENT, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
 
 /// Changes, adds or removes one light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LightEdit {
-    /// The name of the light: of a group that emits, or of a punctual light.
+    /// The name of the light: of a group that emits, of a punctual light, or `environment`.
     pub name: String,
     /// The change.
     pub change: LightChange,
@@ -72,6 +72,7 @@ pub enum NewLight {
 enum LightRef {
     Area(usize),
     Punctual(usize),
+    Environment,
 }
 
 pub(crate) fn apply(edit: &LightEdit, stage: &mut Stage<'_>) -> Result<(), String> {
@@ -91,19 +92,23 @@ pub(crate) fn apply(edit: &LightEdit, stage: &mut Stage<'_>) -> Result<(), Strin
             stage.scene.lights.remove(index);
             Ok(())
         }
+        (LightRef::Environment, _) => {
+            stage.scene.environment = None;
+            Ok(())
+        }
     }
 }
 
 fn find(name: &str, stage: &Stage<'_>) -> Result<LightRef, String> {
     let groups = stage.scene.groups.len();
-    // The environment has an edit of its own.
-    let lights = || stage.scene.sources().filter(|s| s.index < groups + stage.scene.lights.len());
-    let found: Vec<usize> = lights().filter(|s| s.name == name).map(|s| s.index).collect();
-    match found[..] {
+    let around = groups + stage.scene.lights.len();
+    let found = stage.scene.sources().filter(|s| s.name == name).map(|s| s.index);
+    match found.collect::<Vec<usize>>()[..] {
         [index] if index < groups => Ok(LightRef::Area(index)),
-        [index] => Ok(LightRef::Punctual(index - groups)),
+        [index] if index < around => Ok(LightRef::Punctual(index - groups)),
+        [_] => Ok(LightRef::Environment),
         [] => {
-            let there = some_names(name, lights().map(|s| s.name));
+            let there = some_names(name, stage.scene.sources().map(|s| s.name));
             Err(format!(
                 "the scene has no light \"{name}\"; it has {there}; add = \"...\" adds one"
             ))
@@ -138,8 +143,26 @@ fn alter_light(
             place(name, &mut scene.lights[index].kind, alter)?;
             scene.lights[index].kind.strength_mut()
         }
+        LightRef::Environment => return scale_environment(alter, scene),
     };
     *strength = alter.strength.unwrap_or(*strength) * alter.scale;
+    Ok(())
+}
+
+/// All of the environment has one factor here; another edit replaces it.
+fn scale_environment(alter: Alter, scene: &mut Scene) -> Result<(), String> {
+    if alter.strength.is_some() || alter.direction.is_some() || alter.shift != Vec3::ZERO {
+        return Err(format!(
+            "\"{ENVIRONMENT}\" is the light from all around: give scale, or off; the table [environment] replaces it"
+        ));
+    }
+    if alter.scale == Rgb::ZERO {
+        scene.environment = None;
+        return Ok(());
+    }
+    for part in scene.environment_parts() {
+        scene.scale_source(part, alter.scale);
+    }
     Ok(())
 }
 

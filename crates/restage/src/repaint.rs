@@ -28,6 +28,8 @@ pub struct Paint {
     pub theta_rad: Option<f32>,
     /// Diffuse reflectance over the surface, by its `TEXCOORD_0`.
     pub texture: Option<Arc<Texture>>,
+    /// Factor on the diffuse reflectance or its texture, after those.
+    pub tint: Option<Rgb>,
 }
 
 /// The error that one of the two roughnesses of a material is zero and the other is not.
@@ -69,6 +71,13 @@ impl Paint {
             let sum: glam::DVec3 = texels.iter().map(|rho| rho.as_dvec3()).sum();
             material.rho_d = (sum / texels.len().max(1) as f64).as_vec3();
             material.texture = Some(texture.clone());
+        }
+        if let Some(tint) = self.tint {
+            material.rho_d *= tint;
+            if let Some(texture) = &mut material.texture {
+                let image = texture.image.map(|rho| (*rho * tint).min(Rgb::ONE));
+                *texture = Arc::new(Texture { image, ..(**texture).clone() });
+            }
         }
         if let Some(rho_s) = self.rho_s {
             material.rho_s = rho_s;

@@ -2,7 +2,7 @@
 
 use crate::commands::{
     calibrate, check, completions, export, farm, init, man, merge, merge_exposures, plan, recover,
-    relight, render, report, restage, score, split,
+    relight, render, report, restage, score, split, view,
 };
 pub use crate::global::Global;
 use crate::listener::{Console, Listener};
@@ -47,6 +47,7 @@ enum Command {
     Split(split::Args),
     Export(export::Args),
     Report(report::Args),
+    View(view::Args),
     Completions(completions::Args),
     Man(man::Args),
 }
@@ -199,6 +200,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Split(args) => split::run(args, &cli.global),
         Command::Export(args) => export::run(args, &cli.global),
         Command::Report(args) => report::run(args, &cli.global),
+        Command::View(args) => view::run(args, &cli.global),
         Command::Completions(args) => completions::run(args, Cli::command()),
         Command::Man(args) => man::run(args, &cli.global, Cli::command()),
     }

@@ -142,9 +142,13 @@ mod mask;
 mod output;
 #[cfg(feature = "cli")]
 mod own_project;
+#[cfg(feature = "cli")]
+mod passes;
 mod photograph;
 mod photometric;
 pub mod plan;
+#[cfg(feature = "cli")]
+mod playable;
 mod problem;
 #[cfg(feature = "cli")]
 mod progress;

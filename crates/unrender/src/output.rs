@@ -8,7 +8,8 @@ use crate::Error;
 use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
-use unrender_formats::{FileError, atomic, picture};
+use unrender_formats::picture::{self, ColourSpace};
+use unrender_formats::{FileError, atomic};
 use unrender_render::Accumulator;
 use unrender_scene::{RgbImage, Warnings};
 
@@ -47,15 +48,40 @@ pub(crate) fn check_picture(path: &Path) -> Result<(), FileError> {
     check_file(path, &["exr", "hdr", "png"], "end the name of the picture in .exr, .hdr or .png")
 }
 
+/// How a picture is written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Encoding {
+    /// The colour space of an EXR.
+    pub(crate) space: ColourSpace,
+    /// Multiplies all light.
+    pub(crate) factor: f32,
+}
+
+impl Default for Encoding {
+    fn default() -> Self {
+        Self { space: ColourSpace::default(), factor: 1.0 }
+    }
+}
+
+impl Encoding {
+    /// The light of `picture`, exposed so.
+    pub(crate) fn exposed(self, picture: RgbImage) -> RgbImage {
+        if self.factor == 1.0 { picture } else { picture.map(|light| self.factor * *light) }
+    }
+}
+
 /// Writes the mean of `accumulator`, or the `denoised` picture; warns of values that are not numbers.
 pub(crate) fn write_picture(
     path: &Path,
     accumulator: &Accumulator,
-    denoised: Option<&RgbImage>,
+    denoised: Option<RgbImage>,
+    encoding: Encoding,
 ) -> Result<Warnings, FileError> {
     match denoised {
-        Some(denoised) => picture::write_denoised(path, denoised)?,
-        None => picture::write(path, &accumulator.mean())?,
+        Some(denoised) => {
+            picture::write_denoised(path, &encoding.exposed(denoised), encoding.space)?
+        }
+        None => picture::write_in(path, &encoding.exposed(accumulator.mean()), encoding.space)?,
     };
     Ok(doubts(accumulator))
 }

@@ -234,8 +234,8 @@ pub(crate) fn check(job: &Job<'_>, head: &Head) -> Result<(), String> {
         let of = |layers: &[String]| layers.join(", ");
         let (there, here) = (of(&head.layers), of(&job.render.layers()));
         return Err(format!(
-            "it has the sums of {there}, and this rendering has those of {here}; --denoise, --layers and \
-             --composite must be as they were"
+            "it has the sums of {there}, and this rendering has those of {here}; --denoise, --layers, \
+             --aov and --composite must be as they were"
         ));
     }
     let difference = job.identity.difference(&head.identity);

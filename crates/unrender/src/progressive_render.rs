@@ -1,11 +1,13 @@
 //! Renderings in passes: one picture, or a composite's scenes before and after.
 
-use unrender_formats::picture::LightLayer;
+use crate::output::Encoding;
+use crate::passes;
+use unrender_formats::picture::{LightLayer, Pass, Passes, Values};
 use unrender_render::adaptive::{AdaptiveSampling, SampleAllocation};
 use unrender_render::denoise::Denoised;
 use unrender_render::{Accumulator, Integrator, Settings, Tracer};
 use unrender_restage::pair::{self, Pairing};
-use unrender_scene::{Camera, ENVIRONMENT, Material, Scene};
+use unrender_scene::{Camera, Material, Scene};
 
 /// A rendering: a picture, or several sums of one at once.
 pub(crate) trait ProgressiveRender {
@@ -42,7 +44,12 @@ pub(crate) enum Sums {
     Halves,
     /// The picture and the contribution of each of these lights.
     Lights(Vec<String>),
+    /// The same and the direct light.
+    Passes(Vec<String>),
 }
+
+/// The name of the sum of the direct light.
+pub(crate) const DIRECT: &str = "direct light";
 
 impl<'a> PictureRender<'a> {
     pub(crate) fn new(scene: &Scene, camera: &'a Camera, settings: Settings) -> Self {
@@ -61,34 +68,39 @@ impl<'a> PictureRender<'a> {
 
     /// The same picture with the contribution of each light of its `scene`.
     pub(crate) fn by_light(mut self, scene: &Scene) -> Self {
-        let around = scene.environment_parts();
-        let name = |place: usize| match place.checked_sub(around.start) {
-            Some(part) if around.len() > 1 => format!("{ENVIRONMENT} {part}"),
-            _ => {
-                let source = scene.sources().find(|source| source.index == place);
-                source.map_or_else(|| place.to_string(), |source| source.name.to_owned())
-            }
-        };
-        let mut names: Vec<String> = Vec::new();
-        for name in self.tracer.light_sources().into_iter().map(name) {
-            let numbered = (2..).map(|number| format!("{name} {number}"));
-            let free = std::iter::once(name.clone()).chain(numbered).find(|n| !names.contains(n));
-            names.extend(free);
-        }
+        let names = passes::light_names(scene, &self.tracer);
         self.sums = Sums::Lights(names);
         self.settings.integrator = Integrator::Path;
         self
     }
 
+    /// The same picture with the contribution of each light of its `scene`, and what compositing programs want beside.
+    pub(crate) fn with_passes(self, scene: &Scene) -> Self {
+        let mut render = self.by_light(scene);
+        if let Sums::Lights(names) = render.sums {
+            render.sums = Sums::Passes(names);
+        }
+        render
+    }
+
+    /// The passes of the picture of `scene`, if they were accumulated in `layers`.
+    pub(crate) fn passes(
+        &self,
+        scene: &Scene,
+        layers: &[Accumulator],
+        encoding: Encoding,
+    ) -> Option<Passes> {
+        let (Sums::Passes(_), [picture, .., direct]) = (&self.sums, layers) else { return None };
+        let Self { tracer, materials, camera, settings, .. } = self;
+        let hits = tracer.first_hits(materials, camera, settings, picture);
+        let sums = passes::Sums { picture, direct, lights: self.light_layers(layers)? };
+        Some(passes::of(scene, sums, hits, encoding))
+    }
+
     /// The contribution of each light, if that was accumulated in `layers`.
     pub(crate) fn light_layers(&self, layers: &[Accumulator]) -> Option<Vec<LightLayer>> {
-        let Sums::Lights(names) = &self.sums else { return None };
-        let each = names.iter().zip(&layers[1..]);
-        let layer = |(name, sum): (&String, &Accumulator)| LightLayer {
-            name: name.clone(),
-            radiance: sum.mean(),
-        };
-        Some(each.map(layer).collect())
+        let (Sums::Lights(names) | Sums::Passes(names)) = &self.sums else { return None };
+        Some(passes::lights(names, &layers[1..]))
     }
 
     /// The denoised picture from its accumulated `layers`, if it is to be denoised.
@@ -122,12 +134,14 @@ impl<'a> PictureRender<'a> {
 
 impl ProgressiveRender for PictureRender<'_> {
     fn layers(&self) -> Vec<String> {
-        let behind = match &self.sums {
+        let each = |names: &[String]| names.iter().map(|name| format!("light {name}")).collect();
+        let behind: Vec<String> = match &self.sums {
             Sums::Whole => Vec::new(),
             Sums::Halves => vec!["second half".to_owned()],
-            Sums::Lights(names) => names.iter().map(|name| format!("light {name}")).collect(),
+            Sums::Lights(names) | Sums::Passes(names) => each(names),
         };
-        std::iter::once("picture".to_owned()).chain(behind).collect()
+        let direct = matches!(self.sums, Sums::Passes(_)).then(|| DIRECT.to_owned());
+        std::iter::once("picture".to_owned()).chain(behind).chain(direct).collect()
     }
 
     fn accumulate(
@@ -141,7 +155,7 @@ impl ProgressiveRender for PictureRender<'_> {
             (Sums::Halves, [picture, second]) => {
                 self.accumulate_halves(samples, picture, second, progress);
             }
-            (Sums::Lights(_), layers) => {
+            (Sums::Lights(_) | Sums::Passes(_), layers) => {
                 tracer.accumulate_layers(materials, camera, settings, samples, layers, progress);
             }
             (_, layers) => {
@@ -155,9 +169,41 @@ impl ProgressiveRender for PictureRender<'_> {
     }
 }
 
-impl ProgressiveRender for Pairing<'_> {
+/// A composite's scenes before and after, and if passes are wanted, the names of the lights after.
+pub(crate) struct CompositeRender<'a> {
+    pub(crate) pairing: Pairing<'a>,
+    lights: Option<Vec<String>>,
+}
+
+impl<'a> CompositeRender<'a> {
+    pub(crate) fn new(pairing: Pairing<'a>, after: &Scene, with_passes: bool) -> Self {
+        let lights = with_passes.then(|| passes::light_names(after, pairing.tracer()));
+        let pairing = if with_passes { pairing.with_passes() } else { pairing };
+        Self { pairing, lights }
+    }
+
+    /// The passes of the picture of `after`, if they were accumulated in `layers`.
+    pub(crate) fn passes(&self, after: &Scene, layers: &[Accumulator]) -> Option<Passes> {
+        let (Some(names), [picture, .., direct]) = (&self.lights, layers) else { return None };
+        let lights = passes::lights(names, &layers[pair::LAYERS.len()..]);
+        let sums = passes::Sums { picture, direct, lights };
+        let hits = self.pairing.first_hits(picture);
+        let mut all = passes::of(after, sums, hits, Encoding::default());
+        let paired = pair::paired(layers);
+        let [shadow, reflection] = [pair::shadow(&paired), pair::reflection(&paired)];
+        for (name, picture) in [("Shadow", shadow), ("Reflection", reflection)] {
+            all.others.push(Pass { name, values: Values::Colour(picture) });
+        }
+        Some(all)
+    }
+}
+
+impl ProgressiveRender for CompositeRender<'_> {
     fn layers(&self) -> Vec<String> {
-        pair::LAYERS.map(str::to_owned).to_vec()
+        let own = pair::LAYERS.map(str::to_owned).into_iter();
+        let lights = self.lights.iter().flatten().map(|name| format!("light {name}"));
+        let direct = self.lights.iter().map(|_| DIRECT.to_owned());
+        own.chain(lights).chain(direct).collect()
     }
 
     fn accumulate(
@@ -166,10 +212,10 @@ impl ProgressiveRender for Pairing<'_> {
         layers: &mut [Accumulator],
         progress: &(dyn Fn(f64) + Sync),
     ) {
-        self.accumulate(samples, layers, progress);
+        self.pairing.accumulate(samples, layers, progress);
     }
 
     fn adaptive_sampling(&self, size: (usize, usize)) -> AdaptiveSampling {
-        self.adaptive_sampling(size)
+        self.pairing.adaptive_sampling(size)
     }
 }

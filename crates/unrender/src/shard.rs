@@ -5,15 +5,15 @@
 //! picture so far; `sum_r_0` to `sum_b_3` and `squares_r_0` to `squares_b_3` are the sums of
 //! [`PixelAccumulator`] in four pieces of 32 bits, the lowest first; `count` and `faulty` are its counts. If
 //! there are several layers, as for a composite, the second and later ones have theirs in `LAYER.count` and so
-//! on. A [`Head`] in JSON describes the rendering, so that only parts of one rendering are added.
+//! on, or in `layer NUMBER.count` where the name is not ASCII. A [`Head`] in JSON describes the rendering, so that only parts of one rendering are added.
 
 use crate::Error;
 use crate::fingerprint::fingerprint;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use unrender_formats::FileError;
 use unrender_formats::planes::{self, Planes};
+use unrender_formats::{FileError, ascii_json};
 use unrender_render::{Accumulator, PixelAccumulator};
 use unrender_scene::{Camera, Image, Warnings};
 
@@ -51,7 +51,12 @@ pub(crate) struct Head {
 impl Head {
     /// The prefix of the channels of each layer.
     fn prefixes(&self) -> impl Iterator<Item = String> + '_ {
-        let later = self.layers.iter().skip(1).map(|layer| format!("{layer}."));
+        // The names of channels are ASCII.
+        let later =
+            self.layers.iter().enumerate().skip(1).map(|(index, layer)| match layer.is_ascii() {
+                true => format!("{layer}."),
+                false => format!("layer {index}."),
+            });
         std::iter::once(String::new()).chain(later)
     }
 }
@@ -101,6 +106,7 @@ const COLOURS: [char; 3] = ['r', 'g', 'b'];
 /// If the file cannot be written.
 pub(crate) fn write(path: &Path, head: &Head, layers: &[Accumulator]) -> Result<(), Error> {
     let text = serde_json::to_string(head)
+        .map(|text| ascii_json::escaped(&text))
         .map_err(|error| FileError::new(path, format!("cannot be written: {error}")))?;
     let mut channels = Vec::new();
     for (prefix, accumulator) in head.prefixes().zip(layers) {
@@ -232,7 +238,7 @@ pub(crate) fn join(paths: &[PathBuf], allow_gaps: bool) -> Result<(Shard, Warnin
 fn add(sum: &mut Shard, part: &Shard) -> Result<(), Error> {
     let problem = if part.head.layers != sum.head.layers {
         format!(
-            "does not belong to {}: one of the two was made with --denoise, --layers or \
+            "does not belong to {}: one of the two was made with --denoise, --layers, --aov or \
              --composite, the other without",
             sum.path.display()
         )

@@ -1,5 +1,6 @@
 //! The colours that the header of an EXR file declares.
 
+use super::colour_space::AP0;
 use super::denoised;
 use super::primaries::{matrix, of_primaries};
 use crate::entry::{Entry, read, refused, told};
@@ -58,14 +59,11 @@ const LINEAR_SRGB: [&str; 11] = [
     "utilitylinearsrgb",
     "utilitylinearrec709",
 ];
-/// The primaries and the white of ACES 2065-1 [SMPTE ST 2065-1], as CIE x and y.
-const ACES: [[f32; 2]; 4] = [[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.077], [0.321_68, 0.337_67]];
-
 /// The primaries that the header states.
 pub(super) fn profile(header: &Header) -> Option<Profile> {
     let Some(stated) = header.shared_attributes.chromaticities else {
         let is_aces = text_or_number(header, "acesimagecontainerflag").is_some();
-        return is_aces.then(|| of_primaries(matrix(ACES), "its acesImageContainerFlag"));
+        return is_aces.then(|| of_primaries(matrix(AP0), "its acesImageContainerFlag"));
     };
     let of = |xy: exr::math::Vec2<f32>| [xy.x(), xy.y()];
     let corners = [of(stated.red), of(stated.green), of(stated.blue), of(stated.white)];

@@ -6,10 +6,12 @@
 //! the attribute `unrenderLayers` has the original names, a JSON array of pairs of channel prefix and name.
 
 use super::budget;
+use super::colour_space::ColourSpace;
 use super::exr_refused::fault;
-use super::one_layer;
-use crate::FileError;
+use super::exr_says;
+use super::one_layer::{self, Channel, channels};
 use crate::input::{Input, Scope};
+use crate::{FileError, ascii_json};
 use exr::meta::MetaData;
 use exr::meta::attribute::AttributeValue;
 use exr::prelude::{FlatSamples, ReadChannels, ReadLayers, Vec2};
@@ -17,8 +19,6 @@ use std::io::Cursor;
 use std::path::Path;
 use unrender_scene::{Rgb, RgbImage};
 
-/// The attribute that holds the names.
-const ATTRIBUTE: &str = "unrenderLayers";
 /// A header with more pixels than this is taken to be corrupt.
 const MAX_PIXELS: usize = 1 << 28;
 /// ZIP expands a byte of the file to at most this many.
@@ -33,7 +33,7 @@ pub struct LightLayer {
     pub radiance: RgbImage,
 }
 
-/// Writes `picture` with its `layers` of the same size as an EXR of 32-bit floats; values that are not finite
+/// Writes `picture` with its `layers` of the same size as an EXR of 32-bit floats of `space`; values that are not finite
 /// become zero. Returns how many of the picture's values were not.
 ///
 /// # Errors
@@ -42,18 +42,33 @@ pub fn write_layers(
     path: &Path,
     picture: &RgbImage,
     layers: &[LightLayer],
+    space: ColourSpace,
 ) -> Result<usize, FileError> {
-    let prefixes = prefixes(layers);
-    let named = || prefixes.iter().zip(layers);
-    let names: Vec<(&str, &str)> = named().map(|(p, layer)| (p.as_str(), &*layer.name)).collect();
-    let text = serde_json::to_string(&names)
-        .map_err(|error| FileError::new(path, format!("cannot be written: {error}")))?;
-    let of_lights = named().map(|(prefix, layer)| (format!("{prefix}."), &layer.radiance));
-    let pictures: Vec<(String, &RgbImage)> =
-        std::iter::once((String::new(), picture)).chain(of_lights).collect();
-    one_layer::write(path, &pictures, |_, own| {
-        own.other.insert(ATTRIBUTE.into(), AttributeValue::Text(text.as_str().into()));
+    let (channels, names) = of_lights("", layers, space);
+    one_layer::write_with(path, &space.of(picture), space, channels, |_, own| {
+        own.other.insert(ATTRIBUTE.into(), names);
     })
+}
+
+/// The attribute that holds the names of lights.
+pub(super) const ATTRIBUTE: &str = "unrenderLayers";
+
+/// The channels of `layers`, whose names begin with `stem`, in `space`, and the value of [`ATTRIBUTE`].
+pub(super) fn of_lights(
+    stem: &str,
+    layers: &[LightLayer],
+    space: ColourSpace,
+) -> (Vec<Channel>, AttributeValue) {
+    let prefixes: Vec<String> =
+        prefixes(layers).into_iter().map(|prefix| format!("{stem}{prefix}")).collect();
+    let named = || prefixes.iter().zip(layers);
+    let channel = |(prefix, layer): (&String, &LightLayer)| {
+        let prefix = format!("{prefix}.");
+        channels(&prefix, ["R", "G", "B"], &space.of(&layer.radiance)).collect::<Vec<_>>()
+    };
+    let names = named().map(|(prefix, layer)| serde_json::json!([prefix, layer.name]));
+    let names = ascii_json::escaped(&serde_json::Value::from_iter(names).to_string());
+    (named().flat_map(channel).collect(), AttributeValue::Text(names.as_str().into()))
 }
 
 /// The prefixes of the channels of each layer.
@@ -70,7 +85,7 @@ fn prefixes(layers: &[LightLayer]) -> Vec<String> {
     taken
 }
 
-/// Reads the layers that [`write_layers`] has written.
+/// Reads the layers that [`write_layers`] has written, with the primaries of Rec. 709.
 ///
 /// # Errors
 /// If the file is missing, cut short, corrupt or of another kind.
@@ -112,6 +127,9 @@ fn layers_of(scope: &Scope, bytes: &[u8]) -> Result<Vec<LightLayer>, String> {
         .all_attributes()
         .from_buffered(Cursor::new(bytes))
         .map_err(corrupt)?;
+    let to_rec709 = exr_says::profile(header).and_then(|profile| profile.srgb_from_file);
+    // Rounding must not make light negative.
+    let converted = |v: Rgb| to_rec709.map_or(v, |matrix| (matrix * v).max(Rgb::ZERO));
     let list = &image.layer_data.channel_data.list;
     let of = |name: String| {
         let found = list.iter().find(|channel| channel.name.eq(name.as_str()));
@@ -127,6 +145,7 @@ fn layers_of(scope: &Scope, bytes: &[u8]) -> Result<Vec<LightLayer>, String> {
         if pixels.iter().any(|v| !v.is_finite() || v.min_element() < 0.0) {
             return Err(format!("has light of \"{name}\" that is negative or not finite"));
         }
+        let pixels = pixels.into_iter().map(converted).collect();
         Ok(LightLayer { name, radiance: RgbImage::new(width, height, pixels) })
     };
     names.into_iter().map(layer).collect()
@@ -142,13 +161,14 @@ mod tests {
         let path = folder.path().join("layers.exr");
         let image =
             |value: f32| RgbImage::from_fn(3, 2, |x, y| Rgb::splat(value + (x + 3 * y) as f32));
-        let layers: Vec<LightLayer> = ["Lampe à pied", "Lampe à_pied", "sky.1"]
+        let layers: Vec<LightLayer> = ["Lampe à pied", "Lampe à_pied", "sky.1", "ランプ𝄞"]
             .iter()
             .enumerate()
             .map(|(i, name)| LightLayer { name: (*name).into(), radiance: image(i as f32) })
             .collect();
-        assert_eq!(prefixes(&layers), ["Lampe___pied", "Lampe___pied_2", "sky_1"]);
-        assert_eq!(write_layers(&path, &image(7.0), &layers).unwrap(), 0);
+        let space = ColourSpace::LinRec709;
+        assert_eq!(prefixes(&layers), ["Lampe___pied", "Lampe___pied_2", "sky_1", "____"]);
+        assert_eq!(write_layers(&path, &image(7.0), &layers, space).unwrap(), 0);
         assert_eq!(read_layers(path.as_path()).unwrap(), layers);
         // Other programs see the picture.
         assert_eq!(super::super::read(&path).unwrap().0.to_linear(), image(7.0));

@@ -6,6 +6,7 @@
 //! of ours, whatever the names of its channels. The frames' primaries become the standard attribute
 //! `chromaticities`.
 
+use super::colour_space::ColourSpace;
 use super::exr_refused::fault;
 use crate::{FileError, atomic};
 use exr::meta::MetaData;
@@ -58,8 +59,11 @@ pub fn write_merged(path: &Path, picture: &Picture) -> Result<(), FileError> {
     let channels = AnyChannels::sort(channels);
     let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels);
     let mut image = Image::from_layer(layer);
-    let primaries = picture.profile.as_ref().and_then(|profile| profile.srgb_from_file);
-    image.attributes.chromaticities = primaries.map(chromaticities);
+    let profile = picture.profile.as_ref();
+    let primaries = profile.and_then(|profile| profile.srgb_from_file).map(chromaticities);
+    let is_rec709 = profile.is_none_or(|profile| profile.understood);
+    let rec709 = || is_rec709.then(|| ColourSpace::LinRec709.chromaticities());
+    image.attributes.chromaticities = primaries.or_else(rec709);
     let mut bytes = Cursor::new(Vec::new());
     image
         .write()

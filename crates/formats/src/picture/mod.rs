@@ -8,7 +8,9 @@ mod budget;
 mod cicp;
 mod claims;
 mod codes;
+mod colour_space;
 mod coverage;
+mod cryptomatte;
 mod curves;
 mod denoised;
 mod embed;
@@ -27,6 +29,7 @@ mod merged;
 mod one_layer;
 mod orientation;
 mod panorama;
+mod passes;
 mod pixel_shape;
 mod png_chunks;
 mod primaries;
@@ -41,6 +44,8 @@ mod tiff_tags;
 mod write;
 
 pub(crate) use budget::{check as check_budget, exr_block};
+pub use colour_space::ColourSpace;
+pub use cryptomatte::{Matte, RANKS};
 pub use denoised::write_denoised;
 pub use embed::{jpeg_bytes, png_bytes};
 pub use exif::{ExifExposure, exif_focal_px, exposure_of};
@@ -51,6 +56,7 @@ pub use layers::{LightLayer, read_layers, write_layers};
 pub use merged::write_merged;
 pub use orientation::{Orientation, Stored, stored, stored_in};
 pub use panorama::read_environment;
+pub use passes::{Pass, Passes, Values, write_passes};
 pub(crate) use raw::other as other_kind;
 pub(crate) use read::is_picture;
 pub(crate) use read::read_in;
@@ -58,7 +64,8 @@ pub use read::{decode, read};
 pub(crate) use tables::tables;
 pub use unrender_scene::{Depth, Merged, Picture, Profile};
 pub use write::{
-    write, write_exr, write_exr_as, write_hdr, write_png_as, write_png_codes, write_png_srgb,
+    HDR_OF_REC709, write, write_exr, write_exr_as, write_exr_in, write_hdr, write_in, write_png_as,
+    write_png_codes, write_png_srgb,
 };
 
 /// A picture, with notes for the user, as ends of sentences about its file.

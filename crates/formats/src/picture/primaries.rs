@@ -6,7 +6,7 @@ use unrender_scene::Profile;
 /// Primaries are the same if no linear value changes by more than this share of white.
 const SAME_PRIMARIES: f32 = 4e-3;
 /// Red, green, blue and white of sRGB [IEC 61966-2-1].
-const SRGB: Corners = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]];
+pub(super) const SRGB: Corners = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06], [0.3127, 0.3290]];
 /// The responses of the eye's cones to CIE XYZ by Bradford, by columns, for chromatic adaptation: white
 /// stays white.
 const BRADFORD: [[f64; 3]; 3] =
@@ -36,12 +36,23 @@ pub(super) fn corners(srgb_from_file: Mat3) -> Option<Corners> {
 
 /// Linear sRGB from linear values of these primaries, white to white; none if they span no colours.
 pub(super) fn matrix(corners: Corners) -> Option<Mat3> {
+    let matrix = srgb_from_rgb(corners)?.as_mat3();
+    (matrix.is_finite() && matrix.determinant().abs() > 1e-3).then_some(matrix)
+}
+
+/// Linear values of these primaries from linear sRGB, white to white; none if they span no colours.
+pub(super) fn rgb_from_srgb(corners: Corners) -> Option<DMat3> {
+    let matrix = srgb_from_rgb(corners)?.inverse();
+    matrix.is_finite().then_some(matrix)
+}
+
+/// Linear sRGB from linear values of these primaries.
+fn srgb_from_rgb(corners: Corners) -> Option<DMat3> {
     let [xyz, srgb] = [xyz_from(corners)?, xyz_from(SRGB)?];
     let cones = DMat3::from_cols_array_2d(&BRADFORD);
     let [from, to] = [cones * (xyz * DVec3::ONE), cones * (srgb * DVec3::ONE)];
     let adapted = cones.inverse() * DMat3::from_diagonal(to / from) * cones;
-    let matrix = (srgb.inverse() * adapted * xyz).as_mat3();
-    (matrix.is_finite() && matrix.determinant().abs() > 1e-3).then_some(matrix)
+    Some(srgb.inverse() * adapted * xyz)
 }
 
 /// CIE XYZ from linear values of these primaries; white has a luminance of one.

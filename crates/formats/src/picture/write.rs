@@ -3,20 +3,22 @@
 //! Values that are not finite become zero in the file and are counted, so that one pixel does not
 //! spoil a long rendering.
 
+use super::colour_space::{ColourSpace, declared};
 use super::primaries::corners;
 use super::{Depth, one_layer};
 use crate::{FileError, atomic};
-use exr::meta::attribute::Chromaticities;
-use exr::prelude::Vec2;
 use glam::Mat3;
 use image::codecs::hdr::HdrEncoder;
-use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use std::io::Cursor;
 use std::path::Path;
 use unrender_scene::RgbImage;
 use unrender_scene::color::srgb_from_linear;
+
+/// Why an HDR file has no other primaries.
+pub const HDR_OF_REC709: &str = "an .hdr file cannot say its colour space, and has that of Rec. 709; end the name in .exr, \
+                                 or leave out --colour-space";
 
 /// Writes `picture` in the format of `path`'s extension: png (8-bit sRGB), exr or hdr (linear).
 ///
@@ -38,10 +40,20 @@ use unrender_scene::color::srgb_from_linear;
 /// # Errors
 /// If the extension is another one or the file cannot be written.
 pub fn write(path: &Path, picture: &RgbImage) -> Result<usize, FileError> {
+    write_in(path, picture, ColourSpace::LinRec709)
+}
+
+/// As [`write()`], with the values of `space` in an EXR. A PNG is sRGB in any case; an HDR cannot say its primaries, and has
+/// those of Rec. 709.
+///
+/// # Errors
+/// If the extension is another one, the format has no such space, or the file cannot be written.
+pub fn write_in(path: &Path, picture: &RgbImage, space: ColourSpace) -> Result<usize, FileError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
         "png" => write_png_srgb(path, picture),
-        "exr" => write_exr(path, picture),
+        "exr" => write_exr_in(path, picture, space),
+        "hdr" if space != ColourSpace::LinRec709 => Err(FileError::new(path, HDR_OF_REC709)),
         "hdr" => write_hdr(path, picture),
         _ => {
             Err(FileError::new(path, "no such picture format; end the name in .exr, .hdr or .png"))
@@ -104,17 +116,25 @@ pub fn write_png_as(
     Ok(bad)
 }
 
-/// Writes `picture` as an EXR of 32-bit floats; returns how many values were not finite.
+/// Writes `picture` as an EXR of 32-bit floats, which says that it has the primaries of Rec. 709; returns how many values
+/// were not finite.
 ///
 /// # Errors
 /// If the file cannot be written.
 pub fn write_exr(path: &Path, picture: &RgbImage) -> Result<usize, FileError> {
-    let (values, bad) = finite_values(picture);
-    let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_ne_bytes()).collect();
-    encode(path, picture, |out, width, height| {
-        OpenExrEncoder::new(out).write_image(&bytes, width, height, ExtendedColorType::Rgb32F)
-    })?;
-    Ok(bad)
+    write_exr_in(path, picture, ColourSpace::LinRec709)
+}
+
+/// As [`write_exr`], with the values of `space`.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_exr_in(
+    path: &Path,
+    picture: &RgbImage,
+    space: ColourSpace,
+) -> Result<usize, FileError> {
+    one_layer::write(path, &space.of(picture), space, |_, _| ())
 }
 
 /// As [`write_exr`], of linear values whose matrix to those of sRGB is `srgb_from_file`; none for sRGB.
@@ -127,9 +147,8 @@ pub fn write_exr_as(
     srgb_from_file: Option<Mat3>,
 ) -> Result<usize, FileError> {
     let Some(corners) = srgb_from_file.and_then(corners) else { return write_exr(path, values) };
-    let [red, green, blue, white] = corners.map(|[x, y]| Vec2(x, y));
-    one_layer::write(path, &[(String::new(), values)], |shared, _| {
-        shared.chromaticities = Some(Chromaticities { red, green, blue, white });
+    one_layer::write(path, values, ColourSpace::LinRec709, |shared, _| {
+        shared.chromaticities = Some(declared(corners));
     })
 }
 

@@ -28,6 +28,7 @@ mod mitsuba_rooms;
 mod mitsuba_shapes;
 mod no_data;
 mod obj;
+mod passes;
 mod pictures;
 mod planes;
 mod radiance;

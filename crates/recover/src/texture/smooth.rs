@@ -16,12 +16,6 @@ const SLOW: f32 = 3.0;
 /// Pixels to either side that count: two standard deviations, and neighbours.
 const FAR: i64 = 6;
 const NEAR: i64 = 1;
-/// Pixels show one surface if the cosine between its normals is above this, and if the other point lies off the tangent plane by
-/// less than this share of the distance to the camera: as where paths end in the photograph
-/// ([`unrender_render::RadianceCache`]).
-const SAME_NORMAL: f32 = 0.95;
-const SAME_PLANE: f32 = 2e-3;
-
 /// Light at pixels, twice with independent noise.
 type Halves = [Vec<Rgb>; 2];
 
@@ -73,12 +67,7 @@ impl Surfaces<'_> {
     /// Whether two pixels show the same surface.
     fn is_same(&self, a: usize, b: usize) -> bool {
         let shown = |i: usize| &self.geometry.pixels()[self.pixels[i] as usize];
-        let (here, there) = (shown(a), shown(b));
-        let off_plane = (self.points[b] - self.points[a]).dot(here.normal).abs();
-        a == b
-            || here.object == there.object
-                && here.normal.dot(there.normal) > SAME_NORMAL
-                && off_plane < SAME_PLANE * here.depth
+        a == b || shown(a).shows(shown(b).object, shown(b).normal, self.points[b] - self.points[a])
     }
 }
 

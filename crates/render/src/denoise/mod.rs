@@ -18,6 +18,7 @@
 //! The cost is that of a ray for each sample, more of them where edges are, and about 40 microseconds of one core a pixel.
 
 mod filter;
+pub mod ratios;
 mod regression;
 mod selection;
 mod signal;

@@ -102,7 +102,8 @@ impl Signal {
             Planes::new(width, (0..pixels).map(at))
         });
         let signals = [0, 1].map(|half| limited(&signals[half], &signals[1 - half]));
-        let variances = variances(halves.samples, &signals, &reflectance);
+        let is_mixed: Vec<bool> = halves.finer.pixels().iter().map(|f| f.is_mixed).collect();
+        let variances = variances(halves.samples, &signals, &reflectance, &is_mixed);
         let mean =
             (0..pixels).map(|i| f64::from(signals[0].at(i).element_sum().abs())).sum::<f64>()
                 / (3 * pixels) as f64;
@@ -141,11 +142,13 @@ fn limited(half: &Planes, other: &Planes) -> Planes {
 }
 
 /// The variances of the signals: sample variances, scaled to the squared differences of the halves in the region
-/// [Rousselle et al. 2012]. The sample variance is too large, as samples are stratified.
+/// [Rousselle et al. 2012]. The sample variance is too large, as samples are stratified: most so in pixels with the edge of a
+/// lamp, which are scaled by themselves, since their variance is many times that of the wall beside them.
 fn variances(
     samples: [&Accumulator; 2],
     signals: &[Planes; 2],
     reflectance: &[Rgb],
+    is_mixed: &[bool],
 ) -> [Planes; 2] {
     let (width, height) = samples[0].size();
     let sample = |half: usize, pixel: usize| {
@@ -158,12 +161,27 @@ fn variances(
     let found: Vec<f64> = (0..width * height)
         .map(|i| f64::from((signals[0].at(i) - signals[1].at(i)).length_squared()))
         .collect();
-    let expected = boxed(&expected, width, CALIBRATION_RADIUS);
-    let found = boxed(&found, width, CALIBRATION_RADIUS);
+    let expected = boxed_within(&expected, is_mixed, width, CALIBRATION_RADIUS);
+    let found = boxed_within(&found, is_mixed, width, CALIBRATION_RADIUS);
     let ratio = |i: usize| {
         if expected[i] > 0.0 { (found[i] / expected[i]).clamp(0.0, 2.0) as f32 } else { 1.0 }
     };
     [0, 1].map(|half| Planes::new(width, (0..width * height).map(|i| sample(half, i) * ratio(i))))
+}
+
+/// As [`boxed`], over those pixels of the square for which `class` is the same as for the pixel itself.
+fn boxed_within(values: &[f64], class: &[bool], width: usize, radius: usize) -> Vec<f64> {
+    let means = [false, true].map(|class_of_mean| {
+        let is = |own: &bool| f64::from(u8::from(*own == class_of_mean));
+        let members: Vec<f64> = class.iter().map(is).collect();
+        let own: Vec<f64> = values.iter().zip(&members).map(|(value, is)| value * is).collect();
+        [boxed(&own, width, radius), boxed(&members, width, radius)]
+    });
+    let mean = |(pixel, class): (usize, &bool)| {
+        let [sum, members] = &means[usize::from(*class)];
+        sum[pixel] / members[pixel]
+    };
+    class.iter().enumerate().map(mean).collect()
 }
 
 /// The mean of `values` over the square of `radius` pixels on either side of each pixel, within the picture.

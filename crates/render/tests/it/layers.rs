@@ -4,7 +4,7 @@
 use crate::common::{Random, Stage, camera, settings};
 use glam::Vec3;
 use unrender_render::adaptive::SampleAllocation;
-use unrender_render::layers::relight;
+use unrender_render::layers::{indirect, relight};
 use unrender_render::{Accumulator, Appearance, Tracer};
 use unrender_scene::{Camera, Environment, Light, LightKind, Material, Rgb, RgbImage, Scene};
 
@@ -98,4 +98,28 @@ fn nothing_is_relit_without_layers() {
     assert!(relight(&[], &[]).is_none());
     let dark = Scene { environment: None, lights: Vec::new(), ..room(false) };
     assert_eq!(Tracer::new(&dark).light_sources(), [2]);
+}
+
+#[test]
+fn light_is_direct_or_has_been_reflected_more_than_once() {
+    let scene = room(false);
+    let tracer = Tracer::new(&scene);
+    let materials = scene.materials();
+    // The direct light is what the scene has if paths end after one reflection, by the same random numbers.
+    let sums = |max_bounces: u32| {
+        let settings = unrender_render::Settings { max_bounces, ..settings(SPP) };
+        let mut layers = vec![Accumulator::new(SIZE.0, SIZE.1); 2 + tracer.light_sources().len()];
+        let samples = SampleAllocation::Uniform(0..SPP);
+        tracer.accumulate_layers(&materials, &view(), &settings, &samples, &mut layers, &|_| ());
+        let direct = layers.pop().unwrap();
+        (layers.swap_remove(0), direct)
+    };
+    let (whole, direct) = sums(unrender_render::path::MAX_BOUNCES);
+    let (short, all_of_it) = sums(1);
+    assert!(difference(&direct.mean(), &short.mean()) < ROUNDING);
+    assert!(difference(&all_of_it.mean(), &short.mean()) < ROUNDING);
+    let indirect = indirect(&whole, &direct);
+    let sum = relight(&[direct.mean(), indirect.clone()], &[Rgb::ONE; 2]).unwrap();
+    assert!(difference(&sum, &whole.mean()) < ROUNDING, "{}", difference(&sum, &whole.mean()));
+    assert!(indirect.pixels().iter().any(|v| v.max_element() > 0.01));
 }

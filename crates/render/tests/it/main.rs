@@ -13,6 +13,7 @@ mod detail;
 mod determinism;
 mod environment;
 mod explain;
+mod first_hits;
 mod glass;
 mod guiding;
 mod jacobian;

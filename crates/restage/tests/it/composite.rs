@@ -57,7 +57,8 @@ impl Case {
             geometry: &Tracer::new(&self.before).geometry(&camera(), SIZE.0, SIZE.1),
             materials: &self.before.materials(),
         };
-        composite(&photograph, &self.paired, &self.touched, gain)
+        let after = pair::after(&self.paired);
+        composite(&photograph, (&self.paired, &after), &self.touched, gain).radiance
     }
 
     fn is_touched(&self, index: usize) -> bool {

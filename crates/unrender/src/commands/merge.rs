@@ -1,6 +1,8 @@
 //! `unrender merge`: merges parts of a rendering into the picture of one run.
 
 use crate::global::Global;
+use crate::output::Encoding;
+use crate::progressive_render::DIRECT;
 use crate::{Error, interrupt, output, progressive, shard};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -48,9 +50,9 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     };
     match sum.head.layers.get(1) {
         None => {}
-        Some(layer) if layer.starts_with("light ") => warnings.push(
-            "the picture is written without its light layers: `render --layers` with the checkpoint \
-             writes them",
+        Some(layer) if layer.starts_with("light ") || layer == DIRECT => warnings.push(
+            "the picture is written without its light layers: `render --layers`, or `--aov` if it was \
+             made so, with the checkpoint writes them",
         ),
         Some(_) => warnings.push(
             "the picture was to be denoised, and is written as it is: `render --denoise` with the \
@@ -62,6 +64,6 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         global.console.tell(&progressive::in_words(sum.head.samples.end, accumulator));
     }
     let _until_written = interrupt::writing();
-    global.console.warn(&output::write_picture(&args.out, accumulator, None)?);
+    global.console.warn(&output::write_picture(&args.out, accumulator, None, Encoding::default())?);
     Ok(ExitCode::SUCCESS)
 }

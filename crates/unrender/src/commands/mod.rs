@@ -1,9 +1,10 @@
-//! The subcommands: each file has the arguments of one and its `run`; [`sampling`] has flags that two
-//! share.
+//! The subcommands: each file has the arguments of one and its `run`; [`sampling`] and [`encoding`] have
+//! flags that some share.
 
 pub mod calibrate;
 pub mod check;
 pub mod completions;
+pub mod encoding;
 pub mod export;
 pub mod farm;
 pub mod init;
@@ -19,3 +20,4 @@ pub mod restage;
 pub mod sampling;
 pub mod score;
 pub mod split;
+pub mod view;

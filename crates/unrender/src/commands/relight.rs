@@ -1,5 +1,6 @@
 //! `unrender relight`: a rendering in light layers with other brightnesses of its lights.
 
+use super::encoding::EncodingArgs;
 use crate::global::Global;
 use crate::{Error, interrupt, output};
 use std::path::PathBuf;
@@ -12,7 +13,7 @@ use unrender_scene::{Rgb, RgbImage};
 
 /// Makes lights of a rendering brighter or darker, at once: by the sum of its light layers.
 ///
-/// `unrender render --layers` writes the contribution of each light. The picture with other brightnesses is their
+/// `unrender render --layers` and `--aov` write the contribution of each light. The picture with other brightnesses is their
 /// sum, each times its factor; nothing is traced again.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
@@ -30,6 +31,9 @@ pub struct Args {
     /// A light that is on, all others being off; once for each.
     #[arg(long, value_name = "NAME")]
     pub only: Vec<String>,
+    /// How the picture is written.
+    #[command(flatten)]
+    pub encoding: EncodingArgs,
     /// The picture to write: .exr or .hdr (linear radiance), or .png (8-bit sRGB).
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
@@ -75,6 +79,7 @@ impl FromStr for LightFactor {
 pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     output::check_picture(&args.out)?;
     output::check_inputs(&args.out, [args.layers.as_path()])?;
+    args.encoding.check(&args.out)?;
     if args.layers.is_dir() {
         let problem = "is a folder. Render its scene with the light of each lamp first: unrender render --project \
                        PROJECT.toml --materials FOLDER --layers --out layers.exr";
@@ -86,7 +91,8 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let relit = layers::relight(&radiances, &factors)
         .ok_or_else(|| FileError::new(&args.layers, "has no light in it: nothing can be relit"))?;
     let _until_written = interrupt::writing();
-    picture::write(&args.out, &relit)?;
+    let encoding = args.encoding.encoding();
+    picture::write_in(&args.out, &encoding.exposed(relit), encoding.space)?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -143,7 +149,8 @@ mod tests {
             let light = vec![LightFactor::from_str(light).unwrap()];
             let only = only.iter().map(|name| (*name).to_owned()).collect();
             let [layers_at, out] = ["l.exr", "o.png"].map(PathBuf::from);
-            let args = Args { layers: layers_at, light, only, out };
+            let encoding = EncodingArgs::default();
+            let args = Args { layers: layers_at, light, only, encoding, out };
             factors(&args, &layers).map(|factors| factors.iter().map(|f| f.x).collect::<Vec<_>>())
         };
         assert_eq!(asked("environment=0.5", &[]).unwrap(), [1.0, 0.5, 0.5, 1.0]);

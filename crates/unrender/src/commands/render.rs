@@ -1,5 +1,6 @@
 //! `unrender render`: a picture of a scene, with its own materials or those of a file.
 
+use super::encoding::EncodingArgs;
 use super::sampling::{SamplingArgs, positive};
 use crate::global::Global;
 use crate::progress::Progress;
@@ -28,6 +29,7 @@ const STATED_PIXELS: usize = 1 << 26;
     unrender render room.glb --materials result --spp 256 --out room.png\n  \
     unrender render room.glb --denoise --out clean.png\n  \
     unrender render room.glb --layers --out layers.exr    (see unrender relight)\n  \
+    unrender render room.glb --aov --colour-space acescg --out passes.exr\n  \
     unrender render room.glb --camera door --height 1080 --seed 7 --out door.exr\n  \
     unrender render vase.glb --environment sky.hdr --environment-rotation 90 --out vase.png\n  \
     unrender render --project room.toml --materials result --out again.png\n  \
@@ -84,6 +86,14 @@ pub struct Args {
     /// --independent. Takes 112 bytes of memory per pixel and light.
     #[arg(long, conflicts_with_all = ["samples", "denoise"])]
     pub layers: bool,
+    /// Also write what compositing programs want, as layers of the .exr file with Blender's names: the
+    /// contribution of each light as --layers does, direct and indirect light, albedo, normal, position, depth,
+    /// and Cryptomatte by group. With --independent.
+    #[arg(long, conflicts_with_all = ["samples", "denoise"])]
+    pub aov: bool,
+    /// How the picture is written.
+    #[command(flatten)]
+    pub encoding: EncodingArgs,
     /// The number of samples.
     #[command(flatten)]
     pub sampling: SamplingArgs,
@@ -122,14 +132,35 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     if let Some(denoised) = denoised.as_ref().filter(|_| !global.quiet) {
         global.console.tell(&in_words(denoised, accumulator));
     }
-    if let Some(lights) = render.light_layers(&rendered.layers) {
-        picture::write_layers(&args.out, &accumulator.mean(), &lights)?;
+    let encoding = args.encoding.encoding();
+    if args.aov || args.layers {
+        write_layers(args, &shot.scene, &render, &rendered.layers)?;
         global.console.warn(&output::doubts(accumulator));
         return Ok(ExitCode::SUCCESS);
     }
-    let denoised = denoised.as_ref().map(|denoised| &denoised.radiance);
-    global.console.warn(&output::write_picture(&args.out, accumulator, denoised)?);
+    let denoised = denoised.map(|denoised| denoised.radiance);
+    global.console.warn(&output::write_picture(&args.out, accumulator, denoised, encoding)?);
     Ok(ExitCode::SUCCESS)
+}
+
+/// Writes the picture with its passes, or with the contribution of each light.
+fn write_layers(
+    args: &Args,
+    scene: &Scene,
+    render: &PictureRender<'_>,
+    layers: &[Accumulator],
+) -> Result<(), Error> {
+    let encoding = args.encoding.encoding();
+    if let Some(passes) = render.passes(scene, layers, encoding) {
+        picture::write_passes(&args.out, &passes, encoding.space)?;
+    } else if let Some(mut lights) = render.light_layers(layers) {
+        for light in &mut lights {
+            light.radiance = encoding.exposed(std::mem::take(&mut light.radiance));
+        }
+        let whole = encoding.exposed(layers[0].mean());
+        picture::write_layers(&args.out, &whole, &lights, encoding.space)?;
+    }
+    Ok(())
 }
 
 /// Applies materials to a scene.
@@ -150,7 +181,7 @@ pub struct InMemory<'a> {
 /// If the input cannot be used.
 pub fn picture(args: &Args, given: InMemory<'_>, global: &Global) -> Result<Rendering, Error> {
     check_denoise(args.denoise, &args.sampling)?;
-    if args.layers {
+    if args.layers || args.aov {
         return Err(Error::Request(
             "light layers are written to a file, not kept in memory".into(),
         ));
@@ -168,6 +199,7 @@ pub fn picture(args: &Args, given: InMemory<'_>, global: &Global) -> Result<Rend
         Some(denoised) => (denoised.radiance, denoised.error),
         None => (accumulator.mean(), accumulator.noise()),
     };
+    let radiance = args.encoding.encoding().exposed(radiance);
     Ok(Rendering { radiance, noise, samples, interrupted })
 }
 
@@ -217,14 +249,18 @@ impl Shot {
 
     fn job<'a>(&self, args: &Args, render: &'a PictureRender<'_>) -> Job<'a> {
         let mut identity = args.sampling.identity(&self.scene, &self.camera, self.size);
-        identity.shared &= !(args.denoise || args.layers);
+        identity.shared &= !(args.denoise || args.layers || args.aov);
         Job { render, identity }
     }
 
     fn render(&self, args: &Args) -> PictureRender<'_> {
         let settings = args.sampling.settings();
         let render = PictureRender::new(&self.scene, &self.camera, settings);
-        if args.layers { render.by_light(&self.scene) } else { render.halved(args.denoise) }
+        match (args.aov, args.layers) {
+            (true, _) => render.with_passes(&self.scene),
+            (false, true) => render.by_light(&self.scene),
+            (false, false) => render.halved(args.denoise),
+        }
     }
 }
 
@@ -252,9 +288,15 @@ fn check_outputs(args: &Args) -> Result<(), Error> {
     for part in parts {
         output::check_file(part, &["exr"], "the samples of a picture are kept in .exr files")?;
     }
-    if args.layers {
+    if args.layers || args.aov {
         output::check_file(&args.out, &["exr"], "light layers are kept in .exr files")?;
     }
+    if let (Some(_), Some(flag)) = (&args.sampling.samples, args.encoding.given()) {
+        return Err(Error::Request(format!(
+            "{flag} is for pictures; --samples makes a part of one, which is merged first"
+        )));
+    }
+    args.encoding.check(&args.out)?;
     if args.sampling.checkpoint.as_ref() == Some(&args.out) {
         return Err(Error::Request("--checkpoint and --out need files of their own".into()));
     }

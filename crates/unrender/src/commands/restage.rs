@@ -6,9 +6,10 @@ use crate::Error;
 use crate::check::capitalised;
 use crate::edit::{Composite, EditSheet, Flag, Photograph, Restaging, View};
 use crate::global::Global;
+use crate::output::Encoding;
 use crate::progress::Progress;
 use crate::progressive::{self, Job};
-use crate::progressive_render::PictureRender;
+use crate::progressive_render::{CompositeRender, PictureRender};
 use crate::result_folder::ResultFolder;
 use crate::results::restaged::{self, Beside, Restaged, Synthetic};
 use crate::shard::{self, Identity};
@@ -17,9 +18,10 @@ use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::LightUnits;
+use unrender_formats::picture::ColourSpace;
 use unrender_render::Accumulator;
-use unrender_restage::composite::Gain;
-use unrender_restage::pair::{self, Pairing};
+use unrender_restage::composite::{Gain, How};
+use unrender_restage::pair::Pairing;
 use unrender_scene::{Camera, Warnings};
 
 /// Renders a recovered scene with edits, or composites them into its photograph.
@@ -85,6 +87,16 @@ pub struct Args {
     /// Remove noise from the pictures, for a small bias, as `unrender render --denoise` does.
     #[arg(long, conflicts_with_all = ["composite", "samples", "parts"])]
     pub denoise: bool,
+    /// Also write passes.exr for compositing programs, as `unrender render --aov` does; of a composite with
+    /// the shadows and the reflections of what was edited.
+    #[arg(long, conflicts_with_all = ["denoise", "samples", "parts"])]
+    pub aov: bool,
+    /// The colour space of .exr files, whose headers state it: lin-rec709, acescg, lin-p3d65, lin-rec2020 or
+    /// aces2065-1 [default: lin-rec709; of a composite into a photograph of floating-point values, that of
+    /// its file].
+    #[arg(long, value_name = "NAME", visible_alias = "color-space", alias = "colorspace")]
+    #[arg(conflicts_with = "samples")]
+    pub colour_space: Option<ColourSpace>,
     /// The scene's camera to look through [default: the photograph's].
     #[arg(long, value_name = "NAME", conflicts_with = "composite")]
     pub camera: Option<String>,
@@ -192,9 +204,9 @@ fn photograph<'a>(args: &Args, restaging: &'a Restaging) -> Result<Option<&'a Ph
     })
 }
 
-/// A larger share of pixels that change by more than half is told of: things that are taken out or repainted change 2 to
-/// 9 % of a room so, a lamp that is switched off 42 %. At half of it and at double the same are told of.
-const LARGE: f32 = 0.2;
+/// A larger share of pixels in which neither ratio nor difference holds is told of. Half of it tells of a lamp that is seen
+/// and switched off, double of it not of a window.
+const LOST: f32 = 0.02;
 
 fn composite(
     args: &Args,
@@ -208,26 +220,36 @@ fn composite(
     let pairing = Pairing::new(scenes, camera, args.sampling.settings());
     let both = (scenes.before, scenes.after, &scenes.change.origin);
     let identity = identity(args, &both, camera, size);
-    let job = Job { render: &pairing, identity };
+    let render = CompositeRender::new(pairing, scenes.after, args.aov);
+    let job = Job { render: &render, identity };
     let layers = match samples(args, global, &job, folder)? {
         ControlFlow::Continue(layers) => layers,
         ControlFlow::Break(code) => return Ok(code),
     };
     let grain = args.grain.then_some(args.sampling.seed);
-    let paired = pair::paired(&layers);
-    let composite = Composite::new(restaging, photograph, paired, Gain::Auto, grain);
+    let after = render.pairing.denoised(&layers);
+    let sums = (&layers[..], after.as_ref());
+    let composite = Composite::new(restaging, photograph, sums, Gain::Auto, grain);
     let mut sentences = restaging.sentences.clone();
-    let changed = composite.changed_much(photograph);
-    if changed > LARGE {
+    sentences.push(composite.in_words());
+    let lost = composite.share(How::Neither);
+    if lost > LOST {
         let told = format!(
-            "the edits change {:.0} % of the photo by more than half of its light: noise and errors of the renderings show \
-             in the composite, and clipped pixels have no detail to keep; synthetic.png is the same rendered whole",
-            100.0 * changed
+            "in {:.0} % of the photo, which are clipped or black, the light changes by more than half: what they showed is \
+             not known, and they may look wrong; synthetic.png is the same rendered whole",
+            100.0 * lost
         );
         global.console.warn(&Warnings(vec![told.clone()]));
         sentences.push(format!("{}.", capitalised(&told)));
     }
-    let write = |place: &Path| restaged::write_composite(&composite, photograph, &sentences, place);
+    let space = args.colour_space;
+    let passes = render.passes(scenes.after, &layers);
+    let write = |place: &Path| {
+        if let Some(passes) = &passes {
+            restaged::write_passes(passes, space.unwrap_or_default(), place, None)?;
+        }
+        restaged::write_composite(&composite, photograph, &sentences, space, place)
+    };
     tell(folder.write(true, write)?, global);
     lead_to_results(args, global);
     Ok(ExitCode::SUCCESS)
@@ -263,10 +285,13 @@ fn synthetic(
             (None, None, Some(photograph)) => photograph.size(),
             (width, height, _) => size(width, height, camera)?,
         };
-        let render = PictureRender::new(&restaging.after, camera, args.sampling.settings())
-            .halved(args.denoise);
+        let render = PictureRender::new(&restaging.after, camera, args.sampling.settings());
+        let render = match args.aov {
+            true => render.with_passes(&restaging.after),
+            false => render.halved(args.denoise),
+        };
         let mut identity = identity(args, &restaging.after, camera, size);
-        identity.shared &= !args.denoise;
+        identity.shared &= !(args.denoise || args.aov);
         let layers = match samples(args, global, &Job { render: &render, identity }, folder)? {
             ControlFlow::Continue(layers) => layers,
             ControlFlow::Break(code) => return Ok(code),
@@ -274,8 +299,13 @@ fn synthetic(
         let number = is_sequence.then_some(frame as usize);
         let denoised = render.denoised(&layers);
         let radiance = denoised.map_or_else(|| layers[0].mean(), |denoised| denoised.radiance);
-        let synthetic = Synthetic { radiance: &radiance, is_denoised: args.denoise };
+        let space = args.colour_space.unwrap_or_default();
+        let synthetic = Synthetic { radiance: &radiance, is_denoised: args.denoise, space };
+        let passes = render.passes(&restaging.after, &layers, Encoding::default());
         let bad = folder.write(true, |place| {
+            if let Some(passes) = &passes {
+                restaged::write_passes(passes, space, place, number)?;
+            }
             Ok(restaged::write_synthetic(&synthetic, photograph, place, number)?)
         })?;
         tell(bad, global);

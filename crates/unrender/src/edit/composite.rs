@@ -4,11 +4,10 @@ use super::Restaging;
 use super::developed::Photograph;
 use unrender_photo::clipping;
 use unrender_recover::{Observation, PhotographNoise, Picture};
-use unrender_render::{GeometryBuffers, Tracer};
-use unrender_restage::composite::{self, Gain};
-use unrender_restage::pair::Paired;
+use unrender_render::{Accumulator, GeometryBuffers, Tracer};
+use unrender_restage::composite::{self, Gain, How};
+use unrender_restage::pair::{self, Paired};
 use unrender_restage::{grain, touched};
-use unrender_scene::color::luminance;
 use unrender_scene::{Image, Rgb, RgbImage};
 
 /// The photograph with the change in it.
@@ -20,21 +19,30 @@ pub struct Composite {
     pub touched: Image<bool>,
     /// Radiance, W sr^-1 m^-2 per channel.
     pub radiance: RgbImage,
+    /// How each pixel was made.
+    how: Image<How>,
 }
 
 impl Composite {
-    /// Composites the change between the two renderings `paired` into the photograph; `grain` is
-    /// the seed of noise for synthetic parts, if they get any.
+    /// Composites the change between the two renderings in `layers` ([`pair::LAYERS`]) into the photograph, with the
+    /// `denoised` picture after the edits where it shows something else; `grain` is the seed of noise for synthetic parts, if
+    /// they get any.
     pub fn new(
         restaging: &Restaging,
         photograph: &Photograph,
-        paired: Image<Paired>,
+        (layers, denoised): (&[Accumulator], Option<&RgbImage>),
         gain: Gain,
         grain: Option<u64>,
     ) -> Self {
         let scene = &restaging.start.scene;
         let (width, height) = photograph.size();
         let geometry = Tracer::new(scene).geometry(&photograph.camera, width, height);
+        let mut paired = pair::smoothed(layers, &photograph.camera, &geometry);
+        let after = denoised.cloned().unwrap_or_else(|| pair::after(&paired));
+        if denoised.is_some() {
+            let replaced = paired.pixels_mut().iter_mut().filter(|pixel| pixel.replaced == 1.0);
+            replaced.for_each(|pixel| pixel.after_variance = Rgb::ZERO);
+        }
         let changes = touched::touched(&paired, &geometry, &photograph.photo.quantisation_step);
         let mut clipped = geometry.map(|_| false);
         for index in clipping::clipped_pixels(&photograph.picture, &photograph.transfer) {
@@ -46,25 +54,36 @@ impl Composite {
             geometry: &geometry,
             materials: &scene.materials(),
         };
-        let mut radiance = composite::composite(&seen, &paired, &changes, gain);
+        let composite::Composite { mut radiance, how } =
+            composite::composite(&seen, (&paired, &after), &changes, gain);
         if let Some(seed) = grain {
             let noise = noise(photograph, &geometry, scene.groups.len());
             grain::add(&mut radiance, &paired, noise, seed);
         }
         let touched = changes.map(Option::is_some);
-        Self { paired, touched, radiance }
+        Self { paired, touched, radiance, how }
     }
 
-    /// The share of the pixels, 0 to 1, that differ from the `photograph` by more than half of what it shows there.
-    pub fn changed_much(&self, photograph: &Photograph) -> f32 {
-        /// Of what is shown. Half and double of it were not tried.
-        const MUCH: f32 = 0.5;
-        let before = photograph.photo.radiance.pixels();
-        let is_much = |(after, before): &(&Rgb, &Rgb)| {
-            (luminance(**after) - luminance(**before)).abs() > MUCH * luminance(**before)
-        };
-        let count = self.radiance.pixels().iter().zip(before).filter(is_much).count();
-        count as f32 / before.len().max(1) as f32
+    /// How the pixels that changed were made, in words.
+    pub fn in_words(&self) -> String {
+        let changed = 1.0 - self.share(How::Untouched);
+        if changed == 0.0 {
+            return "No pixel changes.".to_owned();
+        }
+        let percent = |how: How| 100.0 * self.share(how) / changed;
+        format!(
+            "Of the pixels that change {:.0} % are those of the photograph times the ratio of the light, {:.0} % plus its \
+             difference, {:.0} % show another surface.",
+            percent(How::Ratio),
+            percent(How::Difference),
+            percent(How::Replaced)
+        )
+    }
+
+    /// The share, 0 to 1, of the pixels that were made in this way.
+    pub fn share(&self, how: How) -> f32 {
+        let count = self.how.pixels().iter().filter(|own| **own == how).count();
+        count as f32 / self.how.pixels().len().max(1) as f32
     }
 
     /// The code values of the photograph's camera; pixels that are not touched keep those of the

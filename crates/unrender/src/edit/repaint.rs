@@ -1,7 +1,7 @@
 //! `[[repaint]]` and `[[insert.material]]`: materials that are changed.
 
 use super::written::Written;
-use crate::toml_values::{Finite, NotNegative, Reflectance};
+use crate::toml_values::{Channels, Finite, NotNegative, Reflectance};
 use serde::Deserialize;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,6 +25,7 @@ pub(super) struct RawPaint {
     alpha_y: Option<NotNegative>,
     theta_deg: Option<Finite>,
     pub(super) texture: Option<PathBuf>,
+    tint: Option<Channels>,
 }
 
 impl RawPaint {
@@ -76,6 +77,7 @@ impl RawPaint {
             alpha_y: alpha(self.alpha_y),
             theta_rad: self.theta_deg.map(|theta| theta.0.to_radians()),
             texture,
+            tint: self.tint.map(|tint| tint.0),
         })
     }
 }

@@ -48,6 +48,9 @@ fn painted(paint: &Paint) -> String {
     if let Some(theta) = paint.theta_rad {
         parts.push(format!("theta = {:.1} deg", theta.to_degrees()));
     }
+    if let Some(tint) = paint.tint {
+        parts.push(format!("tinted by {}", values(tint)));
+    }
     if paint.texture.is_some() {
         parts.push("with a texture".to_owned());
     }

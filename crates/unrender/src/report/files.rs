@@ -5,6 +5,9 @@ use crate::result_folder::MATERIALS;
 use crate::run::{Pictures, Run};
 use maud::{Markup, html};
 
+/// The page of `unrender view` in a folder of results.
+pub(crate) const VIEW: &str = "view.html";
+
 /// The list of links.
 pub(super) fn links(source: &RunFolder<'_>) -> Markup {
     let run = source.run;
@@ -18,6 +21,13 @@ pub(super) fn links(source: &RunFolder<'_>) -> Markup {
         nav class="files" aria-label="Files of the result" {
             "Files: "
             ul { @for file in &files { li { a href=(address(file)) { (file) } } } }
+        }
+        p class="files" {
+            @if source.folder.join(VIEW).is_file() {
+                a href=(VIEW) { "Play with its light and colours" }
+            } @else {
+                "Play with its light and colours: " code { "unrender view FOLDER" }
+            }
         }
     }
 }

@@ -9,6 +9,11 @@ const POLICY: &str = include_str!("policy.txt");
 
 /// A whole page.
 pub(super) fn page(title: &str, body: &Markup) -> String {
+    page_with(title, body, "", SCRIPT)
+}
+
+/// A whole page with a `style` of its own beside the usual one, and a `script` of its own instead of it.
+pub(super) fn page_with(title: &str, body: &Markup, style: &str, script: &str) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -18,11 +23,11 @@ pub(super) fn page(title: &str, body: &Markup) -> String {
                 meta name="viewport" content="width=device-width, initial-scale=1";
                 meta name="color-scheme" content="light dark";
                 title { (title) }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(STYLE)) (PreEscaped(style)) }
             }
             body {
                 (body)
-                script { (PreEscaped(SCRIPT)) }
+                script { (PreEscaped(script)) }
             }
         }
     };

@@ -21,6 +21,8 @@ mod groups;
 mod head;
 mod number;
 mod parameters;
+#[cfg(feature = "cli")]
+mod play;
 mod plot;
 mod selection_log;
 mod side_by_side;
@@ -31,7 +33,10 @@ mod viewer;
 mod why;
 
 pub use exhibit::Exhibit;
+pub(crate) use files::VIEW;
 pub use gallery::{Gallery, gallery};
+#[cfg(feature = "cli")]
+pub(crate) use play::{ExactCommand, page as view};
 
 use crate::Error;
 use crate::run::{LeftOut, PhotographRun, Pictures, Run};

@@ -44,7 +44,7 @@ const REPORT_FOLDER: &str = "report";
 /// Whether [`write`] may write a file of this name, relative to its folder.
 pub(crate) fn writes(name: &str) -> bool {
     let numbered = |rest: &str| rest.starts_with(|c: char| c.is_ascii_digit());
-    [MATERIALS, "run.json", "report.html", "scene.glb", run::PANORAMA, "manifest.json"]
+    [MATERIALS, "run.json", report::FILE, report::VIEW, "scene.glb", run::PANORAMA, "manifest.json"]
         .contains(&name)
         || is_picture(name)
         || ["error", "group"].iter().any(|stem| name.starts_with(stem) && name.ends_with(".png"))

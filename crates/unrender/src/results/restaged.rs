@@ -5,7 +5,7 @@ use crate::edit::{Composite, Photograph};
 use crate::report::{self, Exhibit, Gallery};
 use std::ops::Range;
 use std::path::Path;
-use unrender_formats::picture::{self, Depth};
+use unrender_formats::picture::{self, ColourSpace, Depth, Passes};
 use unrender_formats::{FileError, atomic};
 use unrender_restage::pair::{self, Paired};
 use unrender_scene::{Rgb, RgbImage};
@@ -17,11 +17,12 @@ const SHOWN_MAX: usize = 24;
 /// how many values were not finite.
 ///
 /// `composite.exr` is radiance, or, for photographs of floating-point values, in the values of the
-/// photograph's file.
+/// photograph's file unless a colour `space` is asked for.
 pub(crate) fn write_composite(
     composite: &Composite,
     photograph: &Photograph,
     edits: &[String],
+    space: Option<ColourSpace>,
     folder: &Path,
 ) -> Result<usize, Error> {
     let codes = composite.codes(photograph);
@@ -29,11 +30,18 @@ pub(crate) fn write_composite(
     let mut bad = 0;
     match photograph.picture.depth {
         Depth::Float => {
-            bad += picture::write_exr_as(&exr, &codes, photograph.transfer.srgb_from_file)?;
+            let srgb_from_file = photograph.transfer.srgb_from_file;
+            bad += match space {
+                None => picture::write_exr_as(&exr, &codes, srgb_from_file)?,
+                Some(space) => {
+                    let linear = codes.map(|v| srgb_from_file.map_or(*v, |matrix| matrix * *v));
+                    picture::write_exr_in(&exr, &linear, space)?
+                }
+            };
             bad += picture::write_png_srgb(&png, &as_srgb(photograph, &composite.radiance))?;
         }
         _ => {
-            bad += picture::write_exr(&exr, &composite.radiance)?;
+            bad += picture::write_exr_in(&exr, &composite.radiance, space.unwrap_or_default())?;
             bad += write_codes(&png, photograph, &codes)?;
         }
     }
@@ -42,7 +50,8 @@ pub(crate) fn write_composite(
     for (name, mask) in [("touched", touched), ("invented", share(|pixel| pixel.uncovered))] {
         picture::write_png_codes(&folder.join(format!("{name}.png")), &mask, Depth::Eight)?;
     }
-    let after = Synthetic { radiance: &pair::after(&composite.paired), is_denoised: false };
+    let space = space.unwrap_or_default();
+    let after = Synthetic { radiance: &pair::after(&composite.paired), is_denoised: false, space };
     bad += write_synthetic(&after, Some(photograph), folder, None)?;
     bad += write_photograph(photograph, folder)?;
     let pair = [
@@ -85,17 +94,20 @@ fn write_codes(file: &Path, photograph: &Photograph, codes: &RgbImage) -> Result
 /// Whether [`write_composite`] writes a file of this name.
 pub(crate) fn writes_composite(name: &str) -> bool {
     let own = ["touched.png", "invented.png", "photo.png", "gallery.html", "manifest.json"];
-    let pictures = ["composite.exr", "composite.png", "synthetic.exr", "synthetic.png"];
+    let pictures =
+        ["composite.exr", "composite.png", "synthetic.exr", "synthetic.png", "passes.exr"];
     own.contains(&name) || pictures.contains(&name)
 }
 
 /// Whether the pictures `frames` of a sequence, or all of it, have a file of this name.
 pub(crate) fn writes_synthetic(name: &str, frames: Option<&Range<u32>>) -> bool {
     let stem = name.strip_suffix(".exr").or(name.strip_suffix(".png"));
-    let number = stem.and_then(|stem| stem.strip_prefix("synthetic_"));
+    let of = |name: &str| stem.and_then(|stem| stem.strip_prefix(name)?.strip_prefix('_'));
+    let number = of(SYNTHETIC).or_else(|| of(PASSES));
     let is_one = number.and_then(|number| number.parse().ok());
     let is_one = is_one.is_some_and(|n: u32| frames.is_none_or(|frames| frames.contains(&n)));
-    stem == Some("synthetic")
+    stem == Some(SYNTHETIC)
+        || stem == Some(PASSES)
         || is_one
         || ["photo.png", "gallery.html", "manifest.json"].contains(&name)
 }
@@ -187,8 +199,17 @@ pub(crate) fn is_written(pictures: &Path, number: u32) -> bool {
 
 /// The name of a synthetic picture, without its extension.
 fn name_of(number: Option<usize>) -> String {
-    number.map_or("synthetic".to_owned(), |n| format!("synthetic_{n:04}"))
+    numbered(SYNTHETIC, number)
 }
+
+fn numbered(name: &str, number: Option<usize>) -> String {
+    number.map_or(name.to_owned(), |n| format!("{name}_{n:04}"))
+}
+
+/// The name of a synthetic picture, without its number.
+const SYNTHETIC: &str = "synthetic";
+/// The name of the passes of a picture, without its number.
+const PASSES: &str = "passes";
 
 /// A picture of the scene after the edits.
 pub(crate) struct Synthetic<'a> {
@@ -196,6 +217,19 @@ pub(crate) struct Synthetic<'a> {
     pub(crate) radiance: &'a RgbImage,
     /// Whether noise was removed from it.
     pub(crate) is_denoised: bool,
+    /// The colour space of the EXR.
+    pub(crate) space: ColourSpace,
+}
+
+/// Writes the passes of a picture, whose place in a sequence is `number`; returns how many values of the picture were not
+/// finite.
+pub(crate) fn write_passes(
+    passes: &Passes,
+    space: ColourSpace,
+    folder: &Path,
+    number: Option<usize>,
+) -> Result<usize, FileError> {
+    picture::write_passes(&folder.join(format!("{}.exr", numbered(PASSES, number))), passes, space)
 }
 
 /// Writes a synthetic picture as radiance, and as the photograph's camera would show it, or,
@@ -210,8 +244,8 @@ pub(crate) fn write_synthetic(
     let name = name_of(number);
     let (radiance, exr) = (synthetic.radiance, folder.join(format!("{name}.exr")));
     let bad = match synthetic.is_denoised {
-        true => picture::write_denoised(&exr, radiance)?,
-        false => picture::write_exr(&exr, radiance)?,
+        true => picture::write_denoised(&exr, radiance, synthetic.space)?,
+        false => picture::write_exr_in(&exr, radiance, synthetic.space)?,
     };
     let png = folder.join(format!("{name}.png"));
     match photograph {

@@ -4,11 +4,13 @@
 //! The steps in the browser are in `check.mjs`. Node.js drives it with puppeteer; the browser is
 //! Chromium or Chrome if one is installed, or else one from npm.
 
+use crate::kit::folder::{command, succeeds};
 use crate::kit::pages::make;
 use crate::kit::programs::{installed, need};
 use crate::kit::recovered;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use unrender::formats::picture;
 use unrender::report::{self, Exhibit, Gallery};
 
 /// The exit code of check.mjs if there is no browser.
@@ -41,6 +43,7 @@ fn the_pages_work_in_a_browser() {
     };
     let text = report::gallery(&runs[0], &gallery).unwrap();
     std::fs::write(folder.join("gallery.html"), text).unwrap();
+    make_view(&folder);
     let output = Command::new("node").arg(scripts.join("check.mjs")).arg(&folder).output().unwrap();
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     println!("{}", text(&output.stdout));
@@ -49,6 +52,29 @@ fn the_pages_work_in_a_browser() {
         return;
     }
     assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+/// The page of `unrender view` of the real recovery, and what its sliders should show, rendered by `unrender restage`:
+/// `exact.json` has the radiance of each pixel.
+fn make_view(folder: &Path) {
+    let unrender = |words: &[&str]| {
+        let output = command(words).current_dir(folder).output().unwrap();
+        succeeds(&output);
+    };
+    unrender(&["view", "real", "--no-open", "--spp", "512", "--quiet"]);
+    let lamp = ["--light", "lamp: scale = [0.3, 0.2, 0.1]"];
+    let both = [&lamp[..], &["--repaint", "wall & co: rho_d = [0.7, 0.2, 0.05]"]].concat();
+    let exact = [("lamp", &lamp[..]), ("both", &both)].map(|(name, edits)| {
+        let words = ["restage", "--recovered", "real", "--spp", "1024", "--quiet", "--out", name];
+        let size = ["--width", "48", "--height", "48"];
+        unrender(&[&words[..], &size, edits].concat());
+        let (picture, _) = picture::read(&folder.join(name).join("synthetic.exr")).unwrap();
+        let pixels: Vec<[f32; 3]> =
+            picture.to_linear().pixels().iter().map(|pixel| pixel.to_array()).collect();
+        (name.to_owned(), serde_json::json!(pixels))
+    });
+    let exact = serde_json::Value::Object(exact.into_iter().collect());
+    std::fs::write(folder.join("exact.json"), exact.to_string()).unwrap();
 }
 
 /// The scripts as they are now, beside what npm has installed for them.

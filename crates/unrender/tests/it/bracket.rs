@@ -125,6 +125,9 @@ fn what_is_merged_is_read_back() {
     written.values.pixels_mut()[4] = Rgb::ZERO;
     written.merged.as_mut().unwrap().variance.pixels_mut()[4] = Rgb::ZERO;
     picture::write_merged(&folder.path("m.exr"), &written).unwrap();
+    // The file states the primaries of sRGB.
+    written.profile = read(&folder, "m.exr").profile;
+    assert!(written.profile.as_ref().unwrap().srgb_from_file.is_none());
     assert_eq!(read(&folder, "m.exr"), written);
     written.merged.as_mut().unwrap().white_level = Rgb::INFINITY;
     picture::write_merged(&folder.path("m.exr"), &written).unwrap();

@@ -4,6 +4,7 @@
 // Each test binary uses a part of it.
 #![allow(dead_code, unused_imports)]
 
+pub(crate) mod channels;
 pub(crate) mod coloured_room;
 pub(crate) mod encoded;
 pub(crate) mod example;

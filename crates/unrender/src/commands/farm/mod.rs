@@ -71,10 +71,16 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
             "the merged parts of a farm cannot be denoised; leave out --denoise".into(),
         ));
     }
-    if args.render.layers {
-        return Err(Error::Request(
-            "the merged parts of a farm have no light layers; leave out --layers".into(),
-        ));
+    if args.render.layers || args.render.aov {
+        let flag = if args.render.aov { "--aov" } else { "--layers" };
+        return Err(Error::Request(format!(
+            "the merged parts of a farm have no light layers; leave out {flag}"
+        )));
+    }
+    if let Some(flag) = args.render.encoding.given() {
+        return Err(Error::Request(format!(
+            "the merged parts of a farm are written as they are; leave out {flag}"
+        )));
     }
     render::check(&args.render, global)?;
     let folder = folder(args);

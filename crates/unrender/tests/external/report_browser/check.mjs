@@ -38,6 +38,7 @@ async function visit(path, { width = 1280, scheme = "light" } = {}) {
     const image = map?.querySelector(".groups");
     return !map || map.querySelector("canvas").width === image.naturalWidth;
   });
+  await tab.waitForFunction(() => !document.querySelector("main.play") || document.body.dataset.ready);
   return { tab, told };
 }
 
@@ -284,7 +285,45 @@ for (const name of ["few", "many"]) {
   assert.deepEqual(told, []);
   console.log("real: a recovery's page says what its run.json says");
 }
-for (const path of ["few/report.html", "many/report.html", "comparison.html", "gallery.html"]) {
+{
+  const exact = read("exact.json");
+  const { tab, told } = await visit("real/view.html");
+  const off = async (of) => {
+    const shown = (await tab.evaluate(() => unrender.radiance())).flat();
+    const truth = exact[of].flat();
+    const mean = truth.reduce((sum, v) => sum + v, 0) / truth.length;
+    const squares = truth.reduce((sum, v, at) => sum + (v - shown[at]) ** 2, 0) / truth.length;
+    return Math.sqrt(squares) / mean;
+  };
+  // Noise of both pictures is below 2 %.
+  const asItWas = await off("lamp");
+  assert.ok(asItWas > 0.5, `${asItWas} without a change`);
+  await tab.evaluate(() => unrender.lamp("lamp", [0.3, 0.2, 0.1]));
+  const byLamp = await off("lamp");
+  assert.ok(byLamp < 0.02, `${byLamp} by the lamp`);
+  assert.match(await tab.$eval("#command", (code) => code.textContent), /--light 'lamp: scale = \[0.3, 0.2, 0.1\]'/);
+  const before = await off("both");
+  await tab.evaluate(() => unrender.colour("wall & co", [0.7, 0.2, 0.05]));
+  const byBoth = await off("both");
+  const { firstOrder, shares } = await tab.evaluate(() => unrender.errors());
+  assert.ok(byBoth < firstOrder + shares + 0.02 && byBoth < before / 4, `${byBoth} of ${before}, said ${firstOrder} and ${shares}`);
+  // The same by hand: the slider, the picker's row, and back.
+  await tab.click("#as-it-was");
+  await tab.focus('[data-lamp="0"] input[type="range"]');
+  await tab.keyboard.press("Home");
+  await tab.waitForFunction(() => unrender.radiance().every((pixel) => pixel.every((v) => Math.abs(v) < 1e-6)));
+  assert.match(await tab.$eval("#command", (code) => code.textContent), /--light 'lamp: off'/);
+  await tab.click("#as-it-was");
+  await tab.waitForFunction(() => unrender.radiance().some((pixel) => pixel[0] > 1e-3));
+  const box = await (await tab.$("#picture")).boundingBox();
+  await tab.mouse.move(box.x + 0.5 * box.width, box.y + 0.8 * box.height);
+  assert.match(await tab.$eval("#probe", (probe) => probe.textContent), /group floor.*lit by lamp 100 %/);
+  await tab.mouse.click(box.x + 0.5 * box.width, box.y + 0.8 * box.height);
+  assert.match(await tab.$eval("#chosen", (chosen) => chosen.textContent), /^floor/);
+  assert.deepEqual(told, []);
+  console.log(`view: the lamp within ${byLamp.toFixed(4)}, with a colour within ${byBoth.toFixed(4)} (${before.toFixed(3)} without it)`);
+}
+for (const path of ["real/view.html", "few/report.html", "many/report.html", "comparison.html", "gallery.html"]) {
   for (const [width, scheme] of [[1280, "light"], [1024, "dark"], [360, "light"], [360, "dark"]]) {
     const { tab, told } = await visit(path, { width, scheme });
     await readsWell(tab, `${path}, ${width} pixels, ${scheme}`);
