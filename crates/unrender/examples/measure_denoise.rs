@@ -41,7 +41,7 @@ cargo run --release -p unrender --example measure_denoise
 const NOTES: &str = "
 Errors are root mean squares over all pixels and channels, relative to the mean radiance. *Estimated* is what the
 command says: the error as the two halves of the samples tell it, without a reference. It misses what is wrong in both
-halves alike; in `room` it is half of what is measured, and why is not known. *Mean* is the signed error of the whole
+halves alike. *Mean* is the signed error of the whole
 picture's mean radiance. *Bias* is the share of the squared error that more seeds do not average away; the rest is noise. Shares of less than zero are the noise of this measurement.
 
 References are pictures of independent paths with other seeds, without denoising; the error is taken against two of
