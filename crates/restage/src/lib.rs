@@ -5,7 +5,7 @@
 //! Then
 //!  - the edited scene is rendered like any other, from the cameras of a [`camera::Path`];
 //!  - or [`pair::render`] renders the scene before and after the edits with the same random
-//!    numbers, and [`composite::composite`] adds the difference to the photograph.
+//!    numbers, and [`composite::composite`] puts the change into the photograph.
 //!
 //! To add a kind of edit, write a file beside [`remove`], name it in [`Edit`] and call it from
 //! [`apply`]. Sources are cited by the keys of `docs/bibliography.md`.

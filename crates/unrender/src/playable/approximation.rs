@@ -6,7 +6,7 @@
 //! weighted geometric mean below the arithmetic one. The page takes the greater. `1 + m (t - 1)` is right where the light
 //! meets the group once or never, `t^m` where it meets it equally often.
 
-use super::separated::{self, ColourOf, Stage};
+use super::separated::{ColourOf, OwnColour, Stage};
 use glam::DVec3;
 use unrender_render::{Appearance, Integrator, Jacobian, Parameter, Query, Settings, StoredPaths};
 use unrender_restage::repaint::Paint;
@@ -35,11 +35,11 @@ pub(crate) struct Errors {
 }
 
 /// The errors of each of `colours`.
-pub(super) fn errors(stage: &Stage<'_>, colours: &[separated::Paint], seed: u64) -> Vec<Errors> {
+pub(super) fn errors(stage: &Stage<'_>, colours: &[OwnColour], seed: u64) -> Vec<Errors> {
     let count = stage.size.0 * stage.size.1;
     let step = (count as f64 / PIXELS as f64).max(1.0);
     let pixels: Vec<u32> = (0..count.min(PIXELS)).map(|k| (k as f64 * step) as u32).collect();
-    let parameters: Vec<Parameter> = colours.iter().map(separated::Paint::parameter).collect();
+    let parameters: Vec<Parameter> = colours.iter().map(OwnColour::parameter).collect();
     let settings =
         Settings { spp: PATHS, seed, integrator: Integrator::Path, ..Settings::default() };
     let query = Query { parameters: &parameters, ..Query::new(stage.now(), &pixels, &settings) };
@@ -54,7 +54,7 @@ pub(super) fn errors(stage: &Stage<'_>, colours: &[separated::Paint], seed: u64)
 
 struct Measured<'a> {
     stage: &'a Stage<'a>,
-    colours: &'a [separated::Paint],
+    colours: &'a [OwnColour],
     paths: StoredPaths,
     parameters: Vec<Parameter>,
 }
@@ -115,7 +115,7 @@ impl Measured<'_> {
     /// The materials with a colour at this `level`, and the difference of its parameter.
     fn painted(&self, colour: usize, level: f32) -> (Vec<Material>, Rgb) {
         let mut materials = self.stage.materials.clone();
-        let separated::Paint { group, of, now } = self.colours[colour];
+        let OwnColour { group, of, now } = self.colours[colour];
         let end = Rgb::splat(level);
         let (paint, difference) = match of {
             ColourOf::Diffuse => (Paint { rho_d: Some(end), ..Paint::default() }, end - now),
@@ -224,7 +224,7 @@ mod tests {
             let mut painted = stage.materials.clone();
             painted[1].rho_d = Rgb::splat(level);
             let exact = render(&painted);
-            let response = &separated.colours.iter().find(|c| c.group == 1).unwrap().response;
+            let response = &separated.colours.iter().find(|c| c.own.group == 1).unwrap().response;
             let own = stage.materials[1].rho_d;
             for c in 0..3 {
                 let shown = |pixel: usize| {

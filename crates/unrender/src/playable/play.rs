@@ -1,7 +1,7 @@
 //! From a folder of results to all that its page needs.
 
 use super::approximation::{self, Errors};
-use super::separated::{self, Colour, Lamp, Paint, Stage};
+use super::separated::{self, Colour, Lamp, OwnColour, Stage};
 use crate::edit::{EditSheet, Flag, Photograph, Start};
 use crate::global::Global;
 use crate::progress::Progress;
@@ -98,8 +98,7 @@ pub(crate) fn play(
         progress.set(RENDERED + (SEPARATED - RENDERED) * done);
     });
     progress.work_on("measuring the errors", SEPARATED);
-    let paint = |colour: &Colour| Paint { group: colour.group, of: colour.of, now: colour.now };
-    let changed: Vec<Paint> = separated.colours.iter().map(paint).collect();
+    let changed: Vec<OwnColour> = separated.colours.iter().map(|colour| colour.own).collect();
     let errors = approximation::errors(&stage, &changed, settings.seed);
     Ok(Play {
         groups: scene.groups.iter().map(|group| group.name.clone()).collect(),

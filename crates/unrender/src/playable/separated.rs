@@ -38,12 +38,8 @@ pub(crate) enum ColourOf {
 /// What the colour of a group does to the picture.
 #[derive(Clone, Debug)]
 pub(crate) struct Colour {
-    /// The group's number.
-    pub(crate) group: usize,
-    /// What its colour is of.
-    pub(crate) of: ColourOf,
-    /// Its present colour, a reflectance per channel.
-    pub(crate) now: Rgb,
+    /// The colour as it is.
+    pub(crate) own: OwnColour,
     /// The relative change of the picture per unit of the colour: `J / L`.
     pub(crate) response: RgbImage,
 }
@@ -56,15 +52,18 @@ pub(super) struct Source {
     is_on: bool,
 }
 
-/// A colour, before its effect is known.
+/// The colour that a group has.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Paint {
-    pub(super) group: usize,
-    pub(super) of: ColourOf,
-    pub(super) now: Rgb,
+pub(crate) struct OwnColour {
+    /// The group's number.
+    pub(crate) group: usize,
+    /// What it is of.
+    pub(crate) of: ColourOf,
+    /// A reflectance per channel.
+    pub(crate) now: Rgb,
 }
 
-impl Paint {
+impl OwnColour {
     /// The parameter of the colour.
     pub(super) fn parameter(&self) -> Parameter {
         match self.of {
@@ -137,17 +136,17 @@ impl<'a> Stage<'a> {
     }
 
     /// The colour of each group that has objects.
-    pub(super) fn colours(&self) -> Vec<Paint> {
+    pub(super) fn colours(&self) -> Vec<OwnColour> {
         let paint = |(group, material): (usize, &Material)| {
             let (of, now) = match &material.texture {
                 Some(texture) => (ColourOf::Texture, materials::mean_of(&texture.image)),
                 None if is_metallic(material) => (ColourOf::Specular, material.rho_s),
                 None => (ColourOf::Diffuse, material.rho_d),
             };
-            Paint { group, of, now }
+            OwnColour { group, of, now }
         };
         let is_there =
-            |paint: &Paint| self.scene.objects.iter().any(|object| object.group == paint.group);
+            |paint: &OwnColour| self.scene.objects.iter().any(|object| object.group == paint.group);
         self.materials.iter().enumerate().map(paint).filter(is_there).collect()
     }
 }
@@ -180,9 +179,9 @@ pub(super) fn separate(
     let named = lamps.into_iter().zip(shares);
     let named: Vec<Lamp> =
         named.map(|(of, share)| Lamp { name: of.name, is_on: of.is_on, share }).collect();
-    let colour = |(index, paint): (usize, &Paint)| {
+    let colour = |(index, paint): (usize, &OwnColour)| {
         let response = smooth(named.len() + index, now).map(|response| *response / paint.unit());
-        Colour { group: paint.group, of: paint.of, now: paint.now, response }
+        Colour { own: *paint, response }
     };
     let is_felt =
         |colour: &Colour| colour.response.pixels().iter().any(|response| *response != Rgb::ZERO);
@@ -218,14 +217,14 @@ struct TracedHalf {
 impl Traced {
     fn new(
         stage: &Stage<'_>,
-        (lamps, colours): (&[Source], &[Paint]),
+        (lamps, colours): (&[Source], &[OwnColour]),
         settings: &Settings,
         progress: &dyn Fn(f64),
     ) -> Self {
         let sources = lamps.iter().flat_map(|lamp| &lamp.places);
         let parameters = sources.map(|place| Parameter::Light(*place));
         let parameters: Vec<Parameter> =
-            parameters.chain(colours.iter().map(Paint::parameter)).collect();
+            parameters.chain(colours.iter().map(OwnColour::parameter)).collect();
         let half = |half: u32| {
             let spp = settings.spp / 2;
             let first = settings.first + half * spp;

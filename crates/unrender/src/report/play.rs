@@ -166,9 +166,9 @@ fn data(play: &Play, command: &ExactCommand, store: &mut Store) -> Data {
     let codes: Vec<u8> = play.map.pixels().iter().flat_map(|group| group.to_le_bytes()).collect();
     let colour = |(colour, errors): (&Colour, &Errors)| {
         Some(ColourData {
-            group: number(colour.group)?,
-            key: key(colour.of),
-            now: colour.now.to_array(),
+            group: number(colour.own.group)?,
+            key: key(colour.own.of),
+            now: colour.own.now.to_array(),
             response: store.picture(&colour.response, CHANGE),
             errors: ErrorData {
                 first_order: errors.first_order.clone(),
@@ -295,13 +295,14 @@ fn lamps(play: &Play) -> Markup {
 }
 
 fn colours(play: &Play) -> Markup {
-    let number = |colour: &Colour| play.run.groups.get_index_of(play.groups[colour.group].as_str());
+    let number =
+        |colour: &Colour| play.run.groups.get_index_of(play.groups[colour.own.group].as_str());
     html! {
         section aria-labelledby="h-colours" {
             h2 id="h-colours" { "Colours" }
             ul class="colours" {
                 @for (index, colour) in play.colours.iter().filter(|c| number(c).is_some()).enumerate() {
-                    @let name = &play.groups[colour.group];
+                    @let name = &play.groups[colour.own.group];
                     li data-colour=(index) {
                         input type="color" aria-label={ "Colour of " (name) };
                         button type="button" class="pick" { (name) }

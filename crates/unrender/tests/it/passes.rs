@@ -2,29 +2,14 @@
 //! bytes come from any number of threads, and colour spaces and exposures are what they say.
 
 use crate::kit::channels::Channels;
-use crate::kit::example::beside_crates;
 use crate::kit::floor_and_lamp;
 use crate::kit::folder::{Folder, is_refused, stderr, succeeds};
+use crate::relight::{ROUNDING, read, unrender};
 use crate::restage::{INSERT, Stage};
 use glam::Vec3;
-use std::process::Output;
 use unrender::formats::gltf;
 use unrender::formats::picture::{self, ColourSpace};
 use unrender::scene::{Rgb, RgbImage};
-
-/// Rounding of single precision over the samples of a pixel, relative to the brightest pixel.
-const ROUNDING: f32 = 1e-5;
-
-fn unrender(folder: &Folder, arguments: &str) -> Output {
-    let scene = beside_crates("examples/fig8/scene.glb");
-    let scene = scene.to_str().unwrap();
-    let words = arguments.split(' ').map(|word| if word == "SCENE" { scene } else { word });
-    folder.run(&words.collect::<Vec<_>>())
-}
-
-fn read(folder: &Folder, name: &str) -> RgbImage {
-    picture::read(&folder.path(name)).unwrap().0.to_linear()
-}
 
 /// The largest difference, relative to the brightest of `a`.
 fn difference(a: &[Rgb], b: &[Rgb]) -> f32 {

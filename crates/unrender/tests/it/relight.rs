@@ -9,9 +9,9 @@ use unrender::scene::{Rgb, RgbImage};
 
 /// Rounding of single precision over the lights and samples of a pixel, relative to the brightest
 /// pixel.
-const ROUNDING: f32 = 1e-5;
+pub(crate) const ROUNDING: f32 = 1e-5;
 
-fn unrender(folder: &Folder, arguments: &str) -> Output {
+pub(crate) fn unrender(folder: &Folder, arguments: &str) -> Output {
     let scene = beside_crates("examples/fig8/scene.glb");
     let scene = scene.to_str().unwrap();
     let words = arguments.split(' ').map(|word| if word == "SCENE" { scene } else { word });
@@ -28,7 +28,7 @@ fn fails(folder: &Folder, arguments: &str, problem: &str) -> String {
     is_refused(&unrender(folder, arguments), problem)
 }
 
-fn read(folder: &Folder, name: &str) -> RgbImage {
+pub(crate) fn read(folder: &Folder, name: &str) -> RgbImage {
     picture::read(&folder.path(name)).unwrap().0.to_linear()
 }
 
