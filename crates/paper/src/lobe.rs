@@ -69,7 +69,7 @@ impl Lobes {
     pub fn rerender(&self, shape: [f32; 3]) -> Rerendered {
         let [alpha_x, alpha_y, theta_rad] = self.evidence.expected.bounds.nearest_shape(shape);
         let specular = self.evidence.light.lobe(alpha_x, alpha_y, theta_rad);
-        let found = linear::fit(&self.evidence, &self.diffuse, Some(&specular), Terms::Both);
+        let found = linear::fit(&self.evidence, &self.diffuse, Some(&specular), Terms::default());
         let diffuse = Material::diffuse(found.rho_d);
         let material = Material { rho_s: found.rho_s, alpha_x, alpha_y, theta_rad, ..diffuse };
         Rerendered { material, error: found.objective / self.scale }

@@ -1,7 +1,7 @@
 //! The driver: owns iteration and cancellation.
 //!
-//! All parameters of the present hypotheses are fitted together. The groups that these explain worst are asked for other
-//! hypotheses, each in the light of all the others as they are now, and take what their comparison chooses; all
+//! All parameters of the present hypotheses are fitted together. The groups are asked for other hypotheses, those that are
+//! explained worst first, each in the light of all the others as they are now, and take what their comparison chooses; all
 //! parameters are fitted again, and the groups whose light has changed are asked again, until none changes. Groups without
 //! gloss get a coat if all surfaces of the scene's format have one and that leaves less of the whole photograph.
 //! Then all parameters are refined together, and the hypotheses are compared once more under the refined light; textures
@@ -107,7 +107,7 @@ impl Driver<'_, '_> {
         self.verifier.verify(guess)
     }
 
-    /// Compares the hypotheses of the groups that are explained worst, until none changes in its present light.
+    /// Compares the hypotheses of all groups, those that are explained worst first, until none changes in its present light.
     fn choose<'a>(
         &mut self,
         mut present: Verified<'a>,
@@ -135,37 +135,28 @@ impl Driver<'_, '_> {
         (level, depth): (Level, Depth),
     ) -> (Verified<'a>, Vec<usize>) {
         self.progress.working("looking at the whole photo with the change", 0.0);
-        let mut made = self.made(&present, &proposals);
-        let worse = self.verifier.worse(&made.score, &present.score);
-        if self.refuse_textures(&mut proposals, &worse) {
-            if proposals.is_empty() {
-                return (present, Vec::new());
-            }
-            made = self.made(&present, &proposals);
+        let refused = self.refused_textures(&present, &proposals);
+        proposals.retain(|of| !refused.contains(&of.group));
+        if proposals.is_empty() {
+            return (present, Vec::new());
         }
-        let (found, _) = self.refine_once(made.guess, depth);
+        let (found, _) = self.refine_once(with(&present.guess, &proposals), depth);
         let changed = self.changed(&found, &present.score, level);
         (found, changed)
     }
 
-    /// `present` with the changes of `proposals`.
-    fn made<'a>(&self, present: &Verified<'a>, proposals: &[Proposal]) -> Verified<'a> {
-        let mut guess = present.guess.clone();
-        proposals.iter().for_each(|proposal| proposal.apply(&mut guess));
-        self.verifier.verify(guess)
-    }
-
-    /// Drops the textures among `proposals` with which the group's re-rendered pixels are explained `worse` than before:
-    /// texels are judged and found by the light in the middle of each pixel, which the edge of a shadow passes beside.
-    /// Whether there were any.
-    fn refuse_textures(&mut self, proposals: &mut Vec<Proposal>, worse: &[usize]) -> bool {
-        let is_worse =
-            |of: &Proposal| of.hypothesis == Hypothesis::Textured && worse.contains(&of.group);
-        let refused: Vec<usize> =
-            proposals.iter().filter(|of| is_worse(of)).map(|of| of.group).collect();
-        refused.iter().for_each(|group| self.progress.refuse(*group));
-        proposals.retain(|of| !refused.contains(&of.group));
-        !refused.is_empty()
+    /// The groups of textures among `proposals` with which their re-rendered pixels are explained worse than before: texels
+    /// are judged and found by the light in the middle of each pixel, which the edge of a shadow passes beside.
+    fn refused_textures(&mut self, present: &Verified<'_>, proposals: &[Proposal]) -> Vec<usize> {
+        let textures = proposals.iter().filter(|of| of.hypothesis == Hypothesis::Textured);
+        let mut textures: Vec<usize> = textures.map(|of| of.group).collect();
+        if !textures.is_empty() {
+            let made = self.verifier.verify(with(&present.guess, proposals));
+            let worse = self.verifier.worse(&made.score, &present.score);
+            textures.retain(|group| worse.contains(group));
+        }
+        textures.iter().for_each(|group| self.progress.refuse(*group));
+        textures
     }
 
     /// Gives the groups a texture whose pixels predict each other by one; those whose light has changed by that are
@@ -276,6 +267,13 @@ impl Driver<'_, '_> {
         }
         guess
     }
+}
+
+/// `guess` with the changes of `proposals`.
+fn with<'a>(guess: &Guess<'a>, proposals: &[Proposal]) -> Guess<'a> {
+    let mut guess = guess.clone();
+    proposals.iter().for_each(|proposal| proposal.apply(&mut guess));
+    guess
 }
 
 fn is_textured(guess: &Guess<'_>, group: usize) -> bool {

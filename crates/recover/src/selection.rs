@@ -12,10 +12,9 @@
 //! Noise is no reason for a more complex one: of two whose difference is within the noise the simpler one is chosen,
 //! and a more complex one never where a simpler one is expected to be better.
 
-use crate::compare::{Difference, Explained, STRONG, difference, independent_blocks};
+use crate::compare::{Difference, STRONG, difference, independent_blocks};
 use crate::evidence::Evidence;
-use crate::hypothesis::{self, Fit, Hypothesis};
-use crate::unknown::Quantity;
+use crate::hypothesis::{Fit, Hypothesis, parameters};
 use std::collections::BTreeMap;
 use unrender_scene::{Material, Rgb};
 
@@ -30,21 +29,9 @@ pub(crate) struct Choice {
     pub(crate) open: Vec<usize>,
 }
 
-impl<'a> Explained<'a> {
-    fn by(fit: &'a Fit) -> Self {
-        Self { residuals: &fit.residuals, likelihood: &fit.likelihood }
-    }
-}
-
-/// Free parameters of a hypothesis with a `material` of it; of a texture those of its mean.
-pub(crate) fn parameters(hypothesis: Hypothesis, material: &Material) -> f64 {
-    let channels = |quantity: &Quantity| if quantity.has_channels() { 3.0 } else { 1.0 };
-    hypothesis::quantities(hypothesis, material).iter().map(channels).sum()
-}
-
-/// Sorts `fits` from simple to complex, those with as many numbers as they were: a plastic, whose lobe has one number,
-/// comes before a mirror over a base. A perfect mirror, which has none, stays behind a diffuse surface: noisy light beats no
-/// hypothesis without numbers.
+/// Sorts `fits` from simple to complex, those with as many numbers as they were: a plastic, whose lobe has one number, and a
+/// lobe without colour, which has two, come before a mirror over a base. A perfect mirror, which has none, stays behind a
+/// diffuse surface: noisy light beats no hypothesis without numbers.
 pub(crate) fn sort(fits: &mut [Fit]) {
     let diffuse = parameters(Hypothesis::Diffuse, &Material::diffuse(Rgb::ZERO));
     let numbers = |fit: &Fit| parameters(fit.hypothesis, &fit.material).max(diffuse);
@@ -65,8 +52,7 @@ impl<'a> Comparison<'a> {
     pub(crate) fn new(fits: &'a [Fit], evidence: &'a Evidence) -> Self {
         let deviance = |fit: &&Fit| fit.likelihood.deviance;
         let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
-        let independent =
-            best.map_or(1.0, |best| independent_blocks(Explained::by(best), evidence));
+        let independent = best.map_or(1.0, |best| independent_blocks(best.explained(), evidence));
         Self { fits, evidence, independent, differences: BTreeMap::new() }
     }
 
@@ -93,7 +79,7 @@ impl<'a> Comparison<'a> {
         let [a, b] = [&self.fits[i], &self.fits[j]];
         let parameters =
             parameters(a.hypothesis, &a.material) - parameters(b.hypothesis, &b.material);
-        let sides = [a, b].map(Explained::by);
+        let sides = [a, b].map(Fit::explained);
         let mut difference = difference(sides, self.evidence, self.independent);
         difference.price = parameters * self.independent.max(1.0).ln();
         difference.value += difference.price;
@@ -133,7 +119,7 @@ pub(crate) fn choose(
 
 /// Whether there is no strong evidence that `fit` explains less than `best`.
 pub fn explains_alike(fit: &Fit, best: &Fit, evidence: &Evidence) -> bool {
-    let [fit, best] = [fit, best].map(Explained::by);
+    let [fit, best] = [fit, best].map(Fit::explained);
     difference([fit, best], evidence, independent_blocks(best, evidence)).least() <= STRONG
 }
 
@@ -168,11 +154,12 @@ mod tests {
     }
 
     #[test]
-    fn a_plastic_is_simpler_than_a_mirror_over_a_base_and_a_free_lobe_is_not() {
+    fn a_lobe_without_colour_is_simpler_than_a_mirror_over_a_base_and_a_coloured_one_is_not() {
         let half = Rgb::splat(0.5);
         let plastic = Material::plastic(half, IOR, Layering::default(), 0.1);
         let over_base = Material { rho_d: half, ..Material::mirror(half) };
-        let free = Material::isotropic(half, half, 0.1);
+        let colourless = Material::isotropic(half, half, 0.1);
+        let coloured = Material::isotropic(half, Rgb::new(0.5, 0.4, 0.3), 0.1);
         let order = |lobe: Material| {
             let of = [
                 (Hypothesis::Diffuse, Material::diffuse(half)),
@@ -186,8 +173,10 @@ mod tests {
             fits.iter().map(|fit| fit.hypothesis).collect::<Vec<_>>()
         };
         use Hypothesis::{Diffuse, DiffuseSpecular, Isotropic, Mirror};
-        assert_eq!(order(plastic), [Diffuse, Mirror, Isotropic, DiffuseSpecular]);
-        assert_eq!(order(free), [Diffuse, Mirror, DiffuseSpecular, Isotropic]);
+        for simpler in [plastic, colourless] {
+            assert_eq!(order(simpler), [Diffuse, Mirror, Isotropic, DiffuseSpecular]);
+        }
+        assert_eq!(order(coloured), [Diffuse, Mirror, DiffuseSpecular, Isotropic]);
     }
 
     fn fit(hypothesis: Hypothesis, material: Material) -> Fit {

@@ -92,6 +92,12 @@ pub struct ProposalLobe {
 }
 
 impl ProposalLobe {
+    /// The lobe of `material`.
+    pub fn of(material: &Material) -> Self {
+        let Material { alpha_x, alpha_y, theta_rad, .. } = *material;
+        Self { alpha_x, alpha_y, theta_rad }
+    }
+
     /// One lobe for each of `alphas`, as wide in all directions.
     pub fn round(alphas: &[f32]) -> Vec<Self> {
         let lobe = |&alpha: &f32| Self { alpha_x: alpha, alpha_y: alpha, theta_rad: 0.0 };

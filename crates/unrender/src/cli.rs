@@ -183,8 +183,10 @@ fn helpful(asked: usize) -> usize {
     asked.min(THREADS_ALWAYS.max(THREADS_A_CORE * cores))
 }
 
+/// The command, run by one of the threads that share its work: from outside of them each piece of work would be handed over,
+/// and waited for.
 fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
-    match &cli.command {
+    rayon::scope(|_| match &cli.command {
         Command::Recover(args) => recover::run(args, &cli.global),
         Command::Init(args) => init::run(args, &cli.global),
         Command::Calibrate(args) => calibrate::run(args, &cli.global),
@@ -203,7 +205,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::View(args) => view::run(args, &cli.global),
         Command::Completions(args) => completions::run(args, Cli::command()),
         Command::Man(args) => man::run(args, &cli.global, Cli::command()),
-    }
+    })
 }
 
 /// Prints `error` and its causes on stderr.

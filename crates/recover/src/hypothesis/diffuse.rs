@@ -15,6 +15,6 @@ pub fn fit(evidence: &Evidence) -> Fit {
         return plastic::with_base(Hypothesis::Diffuse, evidence, evidence.plain.clone());
     }
     let diffuse = evidence.light.diffuse();
-    let found = linear::fit(evidence, &diffuse, None, Terms::Diffuse);
+    let found = linear::fit(evidence, &diffuse, None, Terms::beside(0.0));
     judged(Hypothesis::Diffuse, evidence, Material::diffuse(found.rho_d), &diffuse, None)
 }

@@ -7,8 +7,9 @@
 //! `rho_s = 1` is an edge of the box like any other.
 
 use super::roughness::{STEPS, anywhere, downhill_by};
-use super::{Fit, Hypothesis, Search, judged, plastic};
+use super::{Fit, Hypothesis, Search, fitted, is_beaten, plastic, reflecting};
 use crate::evidence::Evidence;
+use crate::fit::linear::{self, Terms};
 use unrender_scene::{Material, Rgb};
 
 /// Roughness and reflectances that explain the evidence best; where the model has plastics, the plastic unless a free
@@ -24,7 +25,7 @@ pub fn fit(evidence: &Evidence, start: &Material, search: Search) -> Fit {
         Some(plastic) if search == Search::Kept && is_plastic => plastic,
         Some(plastic) => {
             let free = free(evidence, start, search);
-            if plastic::is_beaten(&plastic, &free, evidence) { free } else { plastic }
+            if is_beaten(&plastic, &free, evidence) { free } else { plastic }
         }
         None => free(evidence, start, search),
     }
@@ -64,7 +65,7 @@ pub(super) fn deviance(evidence: &Evidence, diffuse: &[Vec<Rgb>; 2], shape: [f32
     if shown_by(&specular) < SHOWN_MIN {
         return UNLIKELY;
     }
-    with_lobe(Hypothesis::Isotropic, evidence, diffuse, shape, &specular).likelihood.deviance
+    with_lobe(evidence, diffuse, shape, &specular).likelihood.deviance
 }
 
 /// A lobe is a candidate if at least so many sampled pixels show it: with fewer than its shape and strength have
@@ -90,11 +91,11 @@ pub(super) fn downhill(
     (first, size): (&[f64], &[f64]),
     steps: u64,
 ) -> [f32; 3] {
-    let fitted = |shape: [f32; 3]| {
+    let by = |shape: [f32; 3]| {
         let specular = evidence.light.lobe(shape[0], shape[1], shape[2]);
-        with_lobe(Hypothesis::Isotropic, evidence, diffuse, shape, &specular)
+        with_lobe(evidence, diffuse, shape, &specular)
     };
-    at(&downhill_by(evidence, &|p| fitted(at(p)), (first, size), steps))
+    at(&downhill_by(evidence, &|p| by(at(p)), (first, size), steps))
 }
 
 /// The fit with the lobe's shape `[alpha_x, alpha_y, theta]` found.
@@ -105,25 +106,22 @@ pub(super) fn finish(
     shape: [f32; 3],
 ) -> Fit {
     let specular = evidence.light.lobe(shape[0], shape[1], shape[2]);
-    with_lobe(hypothesis, evidence, diffuse, shape, &specular)
+    reflecting(hypothesis, evidence, of_shape(shape), (diffuse, &specular), Terms::default())
 }
 
-/// The same with the lobe's specular term.
+/// The fit of a lobe of the `shape` with this specular term.
 fn with_lobe(
-    hypothesis: Hypothesis,
     evidence: &Evidence,
     diffuse: &[Vec<Rgb>; 2],
-    [alpha_x, alpha_y, theta_rad]: [f32; 3],
+    shape: [f32; 3],
     specular: &[Vec<Rgb>; 2],
 ) -> Fit {
-    let found =
-        crate::fit::linear::fit(evidence, diffuse, Some(specular), crate::fit::linear::Terms::Both);
-    let material = Material {
-        rho_s: found.rho_s,
-        alpha_x,
-        alpha_y,
-        theta_rad,
-        ..Material::diffuse(found.rho_d)
-    };
-    judged(hypothesis, evidence, material, diffuse, Some(specular))
+    let bases = (diffuse, specular);
+    let found = linear::fit(evidence, diffuse, Some(specular), Terms::default());
+    fitted(Hypothesis::Isotropic, evidence, of_shape(shape), bases, &found)
+}
+
+/// A white lobe of the shape `[alpha_x, alpha_y, theta]`.
+fn of_shape([alpha_x, alpha_y, theta_rad]: [f32; 3]) -> Material {
+    Material { alpha_x, alpha_y, theta_rad, ..Material::mirror(Rgb::ONE) }
 }

@@ -16,9 +16,10 @@ pub(crate) mod plastic;
 mod roughness;
 
 use crate::compare::likelihood::Likelihood;
-use crate::compare::residual::BlockResiduals;
-use crate::compare::residual::{ResidualStats, residual_stats};
+use crate::compare::residual::{BlockResiduals, ResidualStats, residual_stats};
+use crate::compare::{Explained, difference, independent_blocks};
 use crate::evidence::Evidence;
+use crate::fit::linear::{self, LinearFit, Terms};
 use crate::unknown::Quantity;
 use serde::{Deserialize, Serialize};
 pub use unrender_scene::Hypothesis;
@@ -60,6 +61,18 @@ pub(crate) fn quantities(rung: Hypothesis, material: &Material) -> &'static [Qua
         Hypothesis::Isotropic => &[RhoD, RhoS, Alpha],
         _ => &[RhoD, RhoS, AlphaX, AlphaY, Theta],
     }
+}
+
+/// Free parameters of a hypothesis with a `material` of it; of a texture those of its mean. The reflectance of a lobe without
+/// colour is one number, that of one with a colour three.
+pub(crate) fn parameters(hypothesis: Hypothesis, material: &Material) -> f64 {
+    let is_colourless = material.is_glossy() && material.rho_s == Rgb::splat(material.rho_s.x);
+    let numbers = |quantity: &Quantity| match quantity {
+        Quantity::RhoS if is_colourless => 1.0,
+        _ if quantity.has_channels() => 3.0,
+        _ => 1.0,
+    };
+    quantities(hypothesis, material).iter().map(numbers).sum()
 }
 
 /// The simplest hypothesis that can hold `material`.
@@ -115,6 +128,11 @@ pub struct Fit {
 }
 
 impl Fit {
+    /// What it leaves unexplained.
+    pub(crate) fn explained(&self) -> Explained<'_> {
+        Explained { residuals: &self.residuals, likelihood: &self.likelihood }
+    }
+
     /// Whether its numbers are finite: squares overflow where wrong hypotheses of other groups amplify the light
     /// without bounds.
     pub fn is_finite(&self) -> bool {
@@ -127,6 +145,49 @@ impl Fit {
             && shape.into_iter().all(|number| number.is_finite())
             && numbers.iter().all(|number| number.is_finite())
     }
+}
+
+/// The fit of a mirror or a lobe like `white`, with the diffuse and the specular basis. A lobe has no colour unless one with a
+/// colour certainly is better: the surface of all but metals reflects all of the light alike. In scenes of plastics those are
+/// they, and what is free has a colour. A mirror keeps its three numbers: with one it is taken for what a lobe explains.
+fn reflecting(
+    hypothesis: Hypothesis,
+    evidence: &Evidence,
+    white: Material,
+    bases: (&[Vec<Rgb>; 2], &[Vec<Rgb>; 2]),
+    terms: Terms,
+) -> Fit {
+    let (diffuse, specular) = bases;
+    let found = linear::fit(evidence, diffuse, Some(specular), terms);
+    let coloured = fitted(hypothesis, evidence, white.clone(), bases, &found);
+    if !white.is_glossy() || evidence.light.model.is_principled() {
+        return coloured;
+    }
+    let found = linear::colourless(evidence, diffuse, specular, terms);
+    let colourless = found.map(|found| fitted(hypothesis, evidence, white, bases, &found));
+    colourless.filter(|simple| !is_beaten(simple, &coloured, evidence)).unwrap_or(coloured)
+}
+
+/// The fit of a mirror or a lobe like `white` with the reflectances that were `found`.
+fn fitted(
+    hypothesis: Hypothesis,
+    evidence: &Evidence,
+    white: Material,
+    (diffuse, specular): (&[Vec<Rgb>; 2], &[Vec<Rgb>; 2]),
+    found: &LinearFit,
+) -> Fit {
+    let material = Material { rho_d: found.rho_d, rho_s: found.rho_s, ..white };
+    judged(hypothesis, evidence, material, diffuse, Some(specular))
+}
+
+/// Whether `complex`, which has more numbers than `simple`, certainly is the better one.
+fn is_beaten(simple: &Fit, complex: &Fit, evidence: &Evidence) -> bool {
+    let is_likelier = complex.likelihood.deviance < simple.likelihood.deviance;
+    let best = if is_likelier { complex } else { simple };
+    let independent = independent_blocks(best.explained(), evidence);
+    let gain = difference([simple.explained(), complex.explained()], evidence, independent);
+    let [more, fewer] = [complex, simple].map(|fit| parameters(fit.hypothesis, &fit.material));
+    gain.least() > (more - fewer) * independent.max(1.0).ln()
 }
 
 /// The fit of `material`, with the bases that it was found with.
@@ -153,4 +214,70 @@ fn judged(
 pub(crate) fn deviance_of_shape(evidence: &Evidence, material: &Material) -> f64 {
     let Material { alpha_x, alpha_y, theta_rad, .. } = *material;
     isotropic::deviance(evidence, &evidence.light.diffuse(), [alpha_x, alpha_y, theta_rad])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use std::f32::consts::FRAC_1_PI;
+    use unrender_render::Incident;
+    use unrender_render::sampler::mix;
+    use unrender_scene::BrdfModel;
+
+    const SIDE: usize = 20;
+
+    /// A glossy surface under some lamps with a specular reflectance of `rho_s`, where the photograph is off by up to
+    /// `noise` of the light.
+    fn glossy(rho_s: Rgb, noise: f32) -> Evidence {
+        let light = |i: usize| {
+            let (a, b) = ((i % 5) as f32 - 2.0, (i / 5) as f32 - 2.0);
+            let wi = Vec3::new(0.3 * a, 0.3 * b - 0.3, 1.0).normalize();
+            Incident { wi, irradiance: Rgb::splat(0.2 * wi.z) }
+        };
+        let lights: Vec<Incident> = (0..25).map(light).collect();
+        let wo = |i: usize| Vec3::new(0.0, i as f32 / 300.0, 1.0).normalize();
+        let evidence = Evidence::square(BrdfModel::default(), SIDE, &lights, wo);
+        let [shown, _] = evidence.light.lobe(0.15, 0.15, 0.0);
+        let lit: Rgb = lights.iter().map(|light| light.irradiance).sum::<Rgb>() * FRAC_1_PI;
+        let scatter = |i: usize, channel: u64| {
+            let uniform = (mix(3 * i as u64 + channel) >> 40) as f32 / (1u64 << 23) as f32 - 1.0;
+            1.0 + noise * uniform
+        };
+        let value = |(i, shown): (usize, Rgb)| {
+            let noise = Rgb::new(scatter(i, 0), scatter(i, 1), scatter(i, 2));
+            (Rgb::new(0.3, 0.2, 0.1) * lit + rho_s * shown) * noise
+        };
+        evidence.showing(shown.into_iter().enumerate().map(value).collect())
+    }
+
+    #[test]
+    fn a_lobe_has_a_colour_only_where_that_shows() {
+        let lobe = Material::isotropic(Rgb::splat(0.2), Rgb::splat(0.3), 0.15);
+        let found = |rho_s: Rgb| {
+            let fit = fit(Hypothesis::Isotropic, &glossy(rho_s, 0.02), &lobe, Search::Kept);
+            (fit.material.rho_s, parameters(fit.hypothesis, &fit.material))
+        };
+        let (grey, numbers) = found(Rgb::splat(0.3));
+        assert!((grey - Rgb::splat(0.3)).abs().max_element() < 0.005, "{grey}");
+        assert_eq!(numbers, 5.0, "three of the base, the lobe's strength and roughness");
+        let colour = Rgb::new(0.3, 0.25, 0.2);
+        let (found, numbers) = found(colour);
+        assert!((found - colour).abs().max_element() < 0.005, "{found}");
+        assert_eq!(numbers, 7.0);
+    }
+
+    #[test]
+    fn the_strength_without_a_colour_is_that_which_explains_all_channels_best() {
+        let evidence = glossy(Rgb::new(0.3, 0.25, 0.2), 0.0);
+        let bases = (evidence.light.diffuse(), evidence.light.lobe(0.15, 0.15, 0.0));
+        let with = |rho_s: f64| {
+            linear::fit(&evidence, &bases.0, Some(&bases.1), Terms::beside(rho_s)).objective
+        };
+        let found = linear::colourless(&evidence, &bases.0, &bases.1, Terms::default()).unwrap();
+        assert_eq!(found.rho_s, Rgb::splat(found.rho_s.x));
+        let strength = f64::from(found.rho_s.x);
+        let least = with(strength);
+        assert!(least < with(strength - 0.001) && least < with(strength + 0.001), "{strength}");
+    }
 }

@@ -6,7 +6,6 @@
 
 use super::roughness::{STEPS, anywhere, downhill_by};
 use super::{Fit, Hypothesis, Search, judged};
-use crate::compare::{Explained, difference, independent_blocks};
 use crate::evidence::Evidence;
 use crate::expected::ParameterBounds;
 use crate::fit::linear::{self, Terms};
@@ -36,18 +35,6 @@ pub(super) fn fit(evidence: &Evidence, start: &Material, search: Search) -> Opti
         }
     };
     Some(of_roughness(evidence, alpha))
-}
-
-/// Whether a lobe of free reflectance, which has three numbers more, is certainly the better one.
-pub(super) fn is_beaten(plastic: &Fit, free: &Fit, evidence: &Evidence) -> bool {
-    let best = if free.likelihood.deviance < plastic.likelihood.deviance { free } else { plastic };
-    let independent = independent_blocks(explained(best), evidence);
-    let gain = difference([explained(plastic), explained(free)], evidence, independent);
-    gain.least() > 3.0 * independent.max(1.0).ln()
-}
-
-fn explained(fit: &Fit) -> Explained<'_> {
-    Explained { residuals: &fit.residuals, likelihood: &fit.likelihood }
 }
 
 /// The roughness of a dull plastic, of which nothing but the colour is known: that of cloth, plaster and matt paint, 0.8 in
@@ -88,7 +75,8 @@ fn of_roughness(evidence: &Evidence, alpha: f32) -> Fit {
 /// The base that explains the evidence best under the lobe of `coat`.
 pub(super) fn with_base(hypothesis: Hypothesis, evidence: &Evidence, coat: Material) -> Fit {
     let (diffuse, specular) = (evidence.light.base(&coat), evidence.light.specular(&coat));
-    let rho_d = linear::fit(evidence, &diffuse, Some(&specular), Terms::Beside(coat.rho_s.x)).rho_d;
+    let rho_d =
+        linear::fit(evidence, &diffuse, Some(&specular), Terms::beside(coat.rho_s.x.into())).rho_d;
     judged(hypothesis, evidence, Material { rho_d, ..coat }, &diffuse, Some(&specular))
 }
 

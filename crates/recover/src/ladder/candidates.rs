@@ -1,4 +1,4 @@
-//! Candidates: other hypotheses for the groups that the present ones explain worst.
+//! Candidates: other hypotheses for every group, the worst explained ones first.
 //!
 //! All uniform rungs are fitted to gathered incident light, and model selection takes one by light that was gathered
 //! again ([`crate::selection`]). What none explains may be outliers ([`crate::outliers`]). A texture is no such candidate: it
@@ -80,8 +80,8 @@ impl<'o> Candidates<'o> {
         self.asked.fill(0);
     }
 
-    /// Other hypotheses for the groups in error, and of those with a specular part, and under the refined light of all: of
-    /// the worst ones among those that were not asked at this level in their present light.
+    /// Other hypotheses for the groups that are explained worst among those that were not asked at this level in their present
+    /// light.
     pub(crate) fn propose_worst(
         &mut self,
         guess: &mut Guess<'_>,
@@ -89,15 +89,13 @@ impl<'o> Candidates<'o> {
         progress: &mut Progress<'_>,
     ) -> Vec<Proposal> {
         loop {
-            let open = self.open(guess, level);
-            let is_wanted = |g: &usize| match guess.groups[*g].hypothesis {
-                Hypothesis::Textured => false,
-                Hypothesis::Diffuse => level == Level::Refined || open.contains(g),
-                _ => true,
+            let is_wanted = |g: &usize| {
+                guess.groups[*g].hypothesis != Hypothesis::Textured
+                    && self.asked[*g] < ASKED_MAX
+                    && self.asked_at[*g] != Some(level)
             };
-            let asked = |g: &usize| self.asked[*g] < ASKED_MAX && self.asked_at[*g] != Some(level);
-            let wanted = guess.visible_unknowns().into_iter();
-            let wanted: Vec<usize> = wanted.filter(|g| is_wanted(g) && asked(g)).collect();
+            let wanted: Vec<usize> =
+                guess.visible_unknowns().into_iter().filter(is_wanted).collect();
             let error =
                 |g: usize| guess.groups[g].likelihood.map_or(f64::INFINITY, |l| l.error.share);
             let worst = wanted.iter().map(|g| error(*g)).fold(0.0, f64::max);

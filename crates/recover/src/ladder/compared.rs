@@ -52,7 +52,7 @@ pub(super) fn compare(guess: &Guess<'_>, by: &Gathering<'_>) -> Option<Compared>
     if compared.fitted.choice.open.is_empty() {
         return Some(compared);
     }
-    judge(guess, by, compared.evidence.judged_again(guess, by)?, &searched)
+    judge(guess, by, compared.evidence.judged_again(guess, by, &searched)?, &searched)
 }
 
 /// What was `searched`, compared by the `evidence`.

@@ -10,6 +10,7 @@ use crate::streams::Stream;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::f32::consts::FRAC_PI_2;
+use unrender_render::ProposalLobe;
 use unrender_scene::{Material, Rgb};
 
 /// The search goes on for so many of the most likely candidates: the accepted one and its rival.
@@ -32,10 +33,25 @@ pub(super) struct Gathering<'a> {
 
 /// Hypotheses that the usual evidence leaves open are compared on so many times as many pixels, or where the group has no more,
 /// on so many times as many points of each. With points alone drafts of two rooms called a large round lobe brushed, which
-/// 600 pixels do not tell. Half and double of it were not tried.
+/// 600 pixels do not tell. At half of it drafts of twelve rooms take 7 % less time and leave 22 right groups open instead of
+/// 16; double of it was not tried.
 const AGAIN: usize = 4;
 
 impl Gathering<'_> {
+    /// The same with as many directions by the lobes of these `materials` as by those of a search: a lobe's light has the
+    /// least noise along its own directions.
+    fn towards<'m>(&self, materials: impl Iterator<Item = &'m Material>) -> Self {
+        let glossy = materials.filter(|of| of.is_glossy());
+        let lobes: Vec<ProposalLobe> = glossy.map(ProposalLobe::of).collect();
+        let mut budget = self.budget.clone();
+        if !lobes.is_empty() {
+            let all = budget.probe.per_lobe * budget.probe.lobes.len() as u32;
+            budget.probe.per_lobe = all.div_ceil(lobes.len() as u32);
+            budget.probe.lobes = lobes;
+        }
+        Self { budget, ..*self }
+    }
+
     /// The evidence by the random numbers of its `purpose`, so many `times` the usual one; none where nothing was seen of the
     /// group.
     fn gather(&self, guess: &Guess<'_>, times: usize, purpose: Stream) -> Option<Evidence> {
@@ -63,9 +79,18 @@ impl EvidencePair {
         Some(Self { searching, judging })
     }
 
-    /// The same with more and other evidence to compare hypotheses by; none where nothing was seen of the group.
-    pub(super) fn judged_again(self, guess: &Guess<'_>, by: &Gathering<'_>) -> Option<Self> {
-        let judging = by.gather(guess, AGAIN, Stream::JudgingAgain)?;
+    /// The same with more and other evidence to compare the present hypothesis and what was `searched` by; none where nothing
+    /// was seen of the group.
+    pub(super) fn judged_again(
+        self,
+        guess: &Guess<'_>,
+        by: &Gathering<'_>,
+        searched: &Searched,
+    ) -> Option<Self> {
+        let present = &guess.materials[by.group];
+        let fits = searched.fits.iter().chain(&searched.broad);
+        let compared = fits.map(|fit| &fit.material).chain([present]);
+        let judging = by.towards(compared).gather(guess, AGAIN, Stream::JudgingAgain)?;
         Some(Self { judging, ..self })
     }
 
@@ -169,7 +194,6 @@ fn search_all(evidence: &mut Evidence, guess: &Guess<'_>, group: usize) -> Searc
         let start = fits.last().map_or(diffuse.material.clone(), |f| f.material.clone());
         fits.push(hypothesis::fit(rung, evidence, &start, Search::Global));
     }
-    round_as_brushed(&mut fits, evidence);
     let best = fits.iter().min_by(|a, b| deviance(a).total_cmp(&deviance(b)));
     let (material, error) = best.map_or((diffuse.material, ModelError::START), |b| {
         (b.material.clone(), b.likelihood.error)
@@ -189,26 +213,6 @@ fn search_all(evidence: &mut Evidence, guess: &Guess<'_>, group: usize) -> Searc
     });
     let broad = fits.par_iter().flat_map(|fit| broader(fit, evidence)).collect();
     Searched { fits, broad, material, error }
-}
-
-/// A round lobe is a brushed one with two equal roughnesses: it is also searched for where the brushed one was found.
-/// Otherwise the brushed one may win only because it was searched for elsewhere.
-fn round_as_brushed(fits: &mut [Fit], evidence: &Evidence) {
-    let of = |hypothesis| fits.iter().position(|fit| fit.hypothesis == hypothesis);
-    let both = (of(Hypothesis::Isotropic), of(Hypothesis::Anisotropic));
-    let (Some(round), Some(brushed)) = both else { return };
-    let Material { alpha_x, alpha_y, .. } = fits[brushed].material;
-    let alpha = (alpha_x * alpha_y).sqrt();
-    let start = Material {
-        alpha_x: alpha,
-        alpha_y: alpha,
-        theta_rad: 0.0,
-        ..fits[brushed].material.clone()
-    };
-    let found = hypothesis::fit(Hypothesis::Isotropic, evidence, &start, Search::Local);
-    if deviance(&found) < deviance(&fits[round]) {
-        fits[round] = found;
-    }
 }
 
 /// A lobe is sharp below this mean roughness. At half of it lobes that fit noise pass for broad ones, at double

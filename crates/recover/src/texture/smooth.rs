@@ -5,7 +5,6 @@
 //! bilateral filters [Tomasi and Manduchi 1998].
 
 use rayon::prelude::*;
-use std::collections::HashMap;
 use unrender_render::GeometryBuffers;
 use unrender_scene::Rgb;
 
@@ -40,8 +39,7 @@ impl Surfaces<'_> {
 
     /// The means over the same surface within so many pixels, each with the weight of its squared distance.
     fn means(&self, light: &Halves, within: i64, weight: impl Fn(i64) -> f32) -> Halves {
-        let places = self.pixels.iter().enumerate().map(|(i, pixel)| (i64::from(*pixel), i));
-        let places: HashMap<i64, usize> = places.collect();
+        let places = Places::of(self.pixels);
         let width = self.geometry.width() as i64;
         let steps = || (-within..=within).flat_map(|y| (-within..=within).map(move |x| (x, y)));
         let kernel: Vec<(i64, i64, f32)> =
@@ -51,7 +49,7 @@ impl Surfaces<'_> {
             let inside = |x: i64| (0..width).contains(&(pixel % width + x));
             let (mut sums, mut weights) = ([Rgb::ZERO; 2], 0.0);
             for (x, y, weight) in kernel.iter().filter(|(x, ..)| inside(*x)) {
-                let Some(&other) = places.get(&(pixel + y * width + x)) else { continue };
+                let Some(other) = places.at(pixel + y * width + x) else { continue };
                 if self.is_same(i, other) {
                     sums = [0, 1].map(|half| sums[half] + *weight * light[half][other]);
                     weights += weight;
@@ -68,6 +66,30 @@ impl Surfaces<'_> {
     fn is_same(&self, a: usize, b: usize) -> bool {
         let shown = |i: usize| &self.geometry.pixels()[self.pixels[i] as usize];
         a == b || shown(a).shows(shown(b).object, shown(b).normal, self.points[b] - self.points[a])
+    }
+}
+
+/// Where each pixel stands among some of them.
+struct Places {
+    first: i64,
+    /// From the first pixel to the last one: the place and one, zero for pixels that are not among them.
+    next: Vec<u32>,
+}
+
+impl Places {
+    fn of(pixels: &[u32]) -> Self {
+        let first = pixels.iter().min().copied().unwrap_or_default();
+        let last = pixels.iter().max().copied().unwrap_or_default();
+        let mut next = vec![0; (last - first) as usize + 1];
+        for (i, pixel) in (1..).zip(pixels) {
+            next[(pixel - first) as usize] = i;
+        }
+        Self { first: first.into(), next }
+    }
+
+    fn at(&self, pixel: i64) -> Option<usize> {
+        let next = self.next.get(usize::try_from(pixel - self.first).ok()?)?;
+        (*next as usize).checked_sub(1)
     }
 }
 

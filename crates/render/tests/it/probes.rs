@@ -226,6 +226,23 @@ fn light_in_two_lobes_of_any_width_is_counted_once() {
 }
 
 #[test]
+fn light_in_a_lobe_has_less_noise_along_its_own_directions() {
+    let room = Room::new(true, WardModel::WardGmd, Rgb::ZERO);
+    let brushed = Material { alpha_x: 0.3, theta_rad: 0.7, ..Material::mirror(Rgb::ONE) };
+    let material = Material { alpha_y: 0.03, ..brushed };
+    let noise = |lobes: Vec<ProposalLobe>| {
+        let per_lobe = 12 / lobes.len() as u32;
+        let settings = ProbeSettings { lobes, per_lobe, ..gather_all() };
+        by_probes(&room, &material, &room.probes(&material, &settings)).sigma
+    };
+    let own = noise(vec![ProposalLobe::of(&material)]);
+    let all = noise(ProposalLobe::round(&[0.02, 0.06, 0.16, 0.4]));
+    let share = own / all;
+    println!("{share}");
+    assert!(share.max_element() < 0.95, "{share}");
+}
+
+#[test]
 fn probes_end_paths_where_the_rendering_does() {
     let room = Room::new(true, WardModel::WardGmd, Rgb::ZERO);
     // Material 2 is a mirror; with a single reflection it shows black walls.

@@ -96,15 +96,10 @@ fn probe(
     pixels: &[u32],
     group: usize,
 ) -> Probes {
-    let lobes = lobes.map(|m| ProposalLobe {
-        alpha_x: m.alpha_x,
-        alpha_y: m.alpha_y,
-        theta_rad: m.theta_rad,
-    });
     let settings = ProbeSettings {
         cosine: DIRECTIONS,
         per_lobe: DIRECTIONS,
-        lobes: lobes.to_vec(),
+        lobes: lobes.map(ProposalLobe::of).to_vec(),
         keep_incident: true,
         ..ProbeSettings::default()
     };
