@@ -367,6 +367,20 @@ impl Evidence {
         Self { sample, light, allowance, least_noise, expected, plain }
     }
 
+    /// A square of `side` pixels under 25 lamps in one direction of the sky, with what a white base reflects of them.
+    pub(crate) fn under_lamps(side: usize) -> (Self, Rgb) {
+        let lamp = |i: usize| {
+            let (a, b) = ((i % 5) as f32 - 2.0, (i / 5) as f32 - 2.0);
+            let wi = glam::Vec3::new(0.3 * a, 0.3 * b - 0.3, 1.0).normalize();
+            unrender_render::Incident { wi, irradiance: Rgb::splat(0.2 * wi.z) }
+        };
+        let lamps: Vec<_> = (0..25).map(lamp).collect();
+        let lit: Rgb = lamps.iter().map(|lamp| lamp.irradiance).sum();
+        let wo = |i: usize| glam::Vec3::new(0.0, i as f32 / 300.0, 1.0).normalize();
+        let evidence = Self::square(BrdfModel::default(), side, &lamps, wo);
+        (evidence, lit * std::f32::consts::FRAC_1_PI)
+    }
+
     /// The same with these values shown.
     pub(crate) fn showing(mut self, values: Vec<Rgb>) -> Self {
         let pixels = self.sample.pixels.iter_mut().zip(values);

@@ -118,27 +118,14 @@ pub fn canonical([x, y, theta]: [f32; 3]) -> [f32; 3] {
 mod tests {
     use super::*;
     use crate::expected::{ParameterBounds, StartValues};
-    use glam::Vec3;
-    use std::f32::consts::FRAC_1_PI;
-    use unrender_render::probe::Incident;
-    use unrender_scene::BrdfModel;
 
     const SIDE: usize = 20;
 
     /// A brushed surface, seen and lit symmetrically: a direction and its mirror image explain it equally well.
     fn ambiguous(truth: [f32; 3]) -> Evidence {
-        let light = |i: usize| {
-            let (a, b) = ((i % 5) as f32 - 2.0, (i / 5) as f32 - 2.0);
-            let wi = Vec3::new(0.3 * a, 0.3 * b - 0.3, 1.0).normalize();
-            Incident { wi, irradiance: Rgb::splat(0.2 * wi.z) }
-        };
-        let lights: Vec<Incident> = (0..25).map(light).collect();
-        let wo = |i: usize| Vec3::new(0.0, i as f32 / 300.0, 1.0).normalize();
-        let evidence = Evidence::square(BrdfModel::default(), SIDE, &lights, wo);
-        let irradiance: Rgb = lights.iter().map(|light| light.irradiance).sum();
+        let (evidence, lit) = Evidence::under_lamps(SIDE);
         let [shown, _] = evidence.light.lobe(truth[0], truth[1], truth[2]);
-        let lit = 0.2 * irradiance * FRAC_1_PI;
-        evidence.showing(shown.into_iter().map(|s| lit + 0.3 * s).collect())
+        evidence.showing(shown.into_iter().map(|s| 0.2 * lit + 0.3 * s).collect())
     }
 
     fn found(start: StartValues, bounds: ParameterBounds) -> [f32; 3] {

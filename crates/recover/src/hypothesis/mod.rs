@@ -219,27 +219,15 @@ pub(crate) fn deviance_of_shape(evidence: &Evidence, material: &Material) -> f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
-    use std::f32::consts::FRAC_1_PI;
-    use unrender_render::Incident;
     use unrender_render::sampler::mix;
-    use unrender_scene::BrdfModel;
 
     const SIDE: usize = 20;
 
     /// A glossy surface under some lamps with a specular reflectance of `rho_s`, where the photograph is off by up to
     /// `noise` of the light.
     fn glossy(rho_s: Rgb, noise: f32) -> Evidence {
-        let light = |i: usize| {
-            let (a, b) = ((i % 5) as f32 - 2.0, (i / 5) as f32 - 2.0);
-            let wi = Vec3::new(0.3 * a, 0.3 * b - 0.3, 1.0).normalize();
-            Incident { wi, irradiance: Rgb::splat(0.2 * wi.z) }
-        };
-        let lights: Vec<Incident> = (0..25).map(light).collect();
-        let wo = |i: usize| Vec3::new(0.0, i as f32 / 300.0, 1.0).normalize();
-        let evidence = Evidence::square(BrdfModel::default(), SIDE, &lights, wo);
+        let (evidence, lit) = Evidence::under_lamps(SIDE);
         let [shown, _] = evidence.light.lobe(0.15, 0.15, 0.0);
-        let lit: Rgb = lights.iter().map(|light| light.irradiance).sum::<Rgb>() * FRAC_1_PI;
         let scatter = |i: usize, channel: u64| {
             let uniform = (mix(3 * i as u64 + channel) >> 40) as f32 / (1u64 << 23) as f32 - 1.0;
             1.0 + noise * uniform

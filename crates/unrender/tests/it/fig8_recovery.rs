@@ -1,7 +1,7 @@
 //! Figure 8 of the paper from its picture: a Cornell box with an anisotropic floor. At full size it
 //! takes minutes; each `.ci/run` recovers a draft from a picture of a sixteenth of the pixels.
 
-use crate::kit::example::{Limits, beside_crates, recovers, shrunk};
+use crate::kit::example::{Limits, beside_crates, errors_of, recovers, shrunk};
 use unrender::formats::picture;
 
 /// Pixels of the full picture per pixel of the small picture, along each side.
@@ -13,19 +13,32 @@ const SHRINK: usize = 4;
 #[ignore = "slow: a recovery of 128 x 128 pixels"]
 fn a_small_figure_8_is_drafted() {
     let limits = Limits { rho: 0.004, alpha_percent: 1.3, degrees: 0.9 };
-    small_figure_8_is_recovered("draft", &limits);
+    let flags = ["--effort", "draft", "--spp", "2"];
+    recovers(small_figure_8().path(), "fig8.toml", &flags, &limits);
 }
 
-// Errors are 0.0021, 0.16 % and 0.42 degrees, where the direction's standard deviation is 0.58 degrees; with two other seeds
-// the direction is 0.22 and 0.18 degrees off.
+// With the seeds 0 to 2 errors are 0.0012 to 0.0027, 0.16 to 0.23 % and 0.18 to 0.42 degrees, where the direction's standard
+// deviation is 0.30 to 0.58 degrees: one seed alone is a matter of luck.
 #[test]
 #[ignore = "slow: the usual effort"]
 fn a_small_figure_8_is_recovered() {
-    let limits = Limits { rho: 0.0025, alpha_percent: 0.7, degrees: 0.5 };
-    small_figure_8_is_recovered("normal", &limits);
+    let folder = small_figure_8();
+    let errors: Vec<Limits> = ["0", "1", "2"]
+        .map(|seed| errors_of(folder.path(), "fig8.toml", &["--spp", "2", "--seed", seed]))
+        .into();
+    let median = |of: fn(&Limits) -> f64| {
+        let mut all: Vec<f64> = errors.iter().map(of).collect();
+        all.sort_by(f64::total_cmp);
+        all[1]
+    };
+    let medians = [median(|e| e.rho), median(|e| e.alpha_percent), median(|e| e.degrees)];
+    println!("{medians:?}");
+    let limits = [0.0025, 0.4, 0.3];
+    assert!(medians.iter().zip(limits).all(|(error, limit)| *error <= limit), "{medians:?}");
 }
 
-fn small_figure_8_is_recovered(effort: &str, limits: &Limits) {
+/// Figure 8 from a picture of a sixteenth of the pixels.
+fn small_figure_8() -> tempfile::TempDir {
     let example = beside_crates("examples/fig8");
     let folder = tempfile::tempdir().unwrap();
     for name in ["fig8.toml", "scene.glb", "truth.json"] {
@@ -33,7 +46,7 @@ fn small_figure_8_is_recovered(effort: &str, limits: &Limits) {
     }
     let (full, _) = picture::read(&example.join("photo.exr")).unwrap();
     picture::write(&folder.path().join("photo.exr"), &shrunk(&full.to_linear(), SHRINK)).unwrap();
-    recovers(folder.path(), "fig8.toml", &["--effort", effort, "--spp", "2"], limits);
+    folder
 }
 
 // The direction's standard deviation is 0.18 degrees, so the desired limit of a tenth of a degree
