@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Step 1, match the camera: pairs of points and pixels give the camera, and an error per pair."""
+"""Step 1, match the camera: lines of the photograph give it before there is a model, pairs of points and pixels once
+there is one, with an error per pair."""
 
 import os
 import re
@@ -13,6 +14,9 @@ from bpy_extras.io_utils import ImportHelper
 
 from . import frames, model, pictures
 from .properties import UNKNOWN
+
+LINES = "unrender lines"
+"""The name of the picture of the lines that were found."""
 
 LEAST = 5
 """The least number of pairs for pose and focal length; one fewer for a known lens, one more for a
@@ -126,6 +130,42 @@ class UNRENDER_OT_match_camera(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class UNRENDER_OT_lines_camera(bpy.types.Operator):
+    """Find the camera from straight lines of the photograph, before anything is modelled: look whether the
+    coloured lines run along the room's axes, and model over the photograph"""
+
+    bl_idname = "unrender.lines_camera"
+    bl_label = "Camera from lines"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return bool(context.scene.unrender.photo)
+
+    def execute(self, context):
+        scene, settings = context.scene, context.scene.unrender
+        drawn = os.path.join(model.folder_of(scene), "lines.png")
+        try:
+            photo, _ = model.photo_of(scene)
+            os.makedirs(os.path.dirname(drawn), exist_ok=True)
+            with warnings.catch_warnings(record=True) as told:
+                warnings.simplefilter("always", unrender.UnrenderWarning)
+                found = unrender.calibrate(
+                    photo, lines="auto", camera_height=settings.camera_height, show_lines=drawn
+                )
+        except (unrender.Error, model.Missing) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for warning in told:
+            self.report({"WARNING"}, str(warning.message))
+        frames.place_camera(scene.camera, found.camera)
+        pictures.show(pictures.load(drawn, LINES))
+        settings.calibration = found.summary
+        settings.focal = focal_length(found.summary)
+        self.report({"INFO"}, settings.focal)
+        return {"FINISHED"}
+
+
 def calibrate(context):
     """Moves the scene's camera to the place that the pairs give."""
     scene, settings = context.scene, context.scene.unrender
@@ -171,5 +211,11 @@ def focal_length(summary):
     return f"focal length {value} px, " + ("held" if std == "held" else f"standard deviation {std} px")
 
 
-CLASSES = (UNRENDER_OT_load_photo, UNRENDER_OT_add_pair, UNRENDER_OT_remove_pair, UNRENDER_OT_match_camera)
+CLASSES = (
+    UNRENDER_OT_load_photo,
+    UNRENDER_OT_add_pair,
+    UNRENDER_OT_remove_pair,
+    UNRENDER_OT_match_camera,
+    UNRENDER_OT_lines_camera,
+)
 register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -90,6 +90,9 @@ class UNRENDER_PT_match(Step, bpy.types.Panel):
             return
         width, height = settings.size
         layout.label(text=f"{bpy.path.basename(settings.photo)}, {width} x {height}")
+        row = layout.row(align=True)
+        row.operator("unrender.lines_camera", icon="AXIS_FRONT")
+        row.prop(settings, "camera_height")
         row = layout.row()
         row.template_list("UNRENDER_UL_pairs", "", settings, "pairs", settings, "pair", rows=4)
         column = row.column(align=True)

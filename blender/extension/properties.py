@@ -72,6 +72,13 @@ class UnrenderSettings(bpy.types.PropertyGroup):
     pair: IntProperty(name="Pair")
     held_fov: BoolProperty(name="Known lens", description="Keep the camera's field of view")
     principal_point: BoolProperty(name="Find the shift", description="For cropped photographs")
+    camera_height: FloatProperty(
+        name="Height",
+        default=1.6,
+        min=1e-3,
+        unit="LENGTH",
+        description="The camera's height above the floor, which the size of the room follows from",
+    )
     calibration: StringProperty(name="Calibration")
     focal: StringProperty(name="Focal length")
 

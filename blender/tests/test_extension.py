@@ -70,6 +70,48 @@ def test_1_match_camera(desk):
     assert len(settings.pairs) == len(desk["seen"]) - 1
 
 
+def test_1_lines_of_the_photograph_give_the_camera(desk, tmp_path):
+    import unrender
+
+    scene, settings = desk["scene"], desk["scene"].unrender
+    size = (640, 480)
+    unrender.Picture(framed_walls(*size, fov_y_deg=45)).save(tmp_path / "room.exr")
+    before = scene.camera.matrix_world.copy(), scene.camera.data.lens, settings.photo
+    bpy.ops.unrender.load_photo(filepath=str(tmp_path / "room.exr"))
+    settings.camera_height = 1.5
+    assert bpy.ops.unrender.lines_camera() == {"FINISHED"}
+    bpy.context.view_layer.update()
+    found = module("frames").camera_of(scene.camera, bpy.context.evaluated_depsgraph_get(), size)
+    assert found.fov_y_deg == pytest.approx(45, rel=0.01)
+    assert found.eye[1] == pytest.approx(1.5, abs=1e-4)
+    assert settings.focal.startswith("focal length")
+    assert "unrender lines" in bpy.data.images
+    bpy.ops.unrender.load_photo(filepath=before[2])
+    scene.camera.matrix_world, scene.camera.data.lens = before[:2]
+
+
+def framed_walls(width, height, fov_y_deg):
+    """A room of 4 x 2.6 x 5 m from its corner, whose walls have frames: linear values, eight samples a pixel."""
+    eye, forward = np.array([2.9, 1.5, 4.2]), np.array([-1.5, -0.4, -3.2])
+    forward /= np.linalg.norm(forward)
+    right = np.cross(forward, [0, 1, 0])
+    right /= np.linalg.norm(right)
+    up, room = np.cross(right, forward), np.array([4, 2.6, 5])
+    total = np.zeros((height, width))
+    for sample in range(8):
+        x = (np.arange(width) + (sample % 4 + 0.5) / 4 - width / 2) * 2 / height
+        y = (height / 2 - np.arange(height) - (sample // 4 + 0.5) / 2) * 2 / height
+        half = np.tan(np.radians(fov_y_deg) / 2)
+        way = forward + half * (x[None, :, None] * right + y[:, None, None] * up)
+        to = np.where(way < 0, -eye, room - eye) / way
+        wall = to.argmin(axis=2)
+        share = (eye + to.min(axis=2, keepdims=True) * way) / room
+        off = np.abs(share - 0.5)
+        np.put_along_axis(off, wall[..., None], 0, axis=2)
+        total += 0.1 + 0.1 * wall + 0.15 * (off.max(axis=2) > 0.3)
+    return np.repeat((total / 8)[..., None], 3, axis=2).astype(np.float32)
+
+
 def test_1_a_click_takes_the_vertex_in_front(desk):
     pick = module("pick")
     scene, size = desk["scene"], (400, 300)

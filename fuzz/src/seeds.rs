@@ -6,8 +6,10 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 use unrender::formats::export::{SceneView, Target as Program, export};
-use unrender::formats::{LightUnits, gltf, picture, planes};
-use unrender::scene::{Camera, Group, Image, Material, Mesh, Object, Rgb, Scene, Texture, Wrap};
+use unrender::formats::{LightUnits, gltf, merl, picture, planes};
+use unrender::scene::{
+    Camera, Group, Image, Material, MeasuredBrdf, Mesh, Object, Rgb, Scene, Texture, Wrap,
+};
 
 const PROJECT: &str = r#"scene = "a.glb"
 photo = "a.png"
@@ -57,6 +59,27 @@ const RECONSTRUCTIONS: [&str; 2] = [
     "# images\n1 1 0 0 0 0.5 0 2 1 hall/a.jpg\n100.5 20.25 -1\n",
 ];
 
+const PROFILES: [&str; 2] = [
+    "IESNA:LM-63-1995\n[TEST] a\nTILT=INCLUDE\n1\n2\n0 90\n1 0.9\n1 1000 1 3 2 1 2 0.1 0.2 0\n1 0.9 20\n0 45 90\n\
+     0 90\n100 70 0\n100 60 0\n",
+    "a lamp\nTILT=NONE\n1,1000,1 2 3 2 1 0 0 0\n1 1 0\n-90 90\n-45 0 45\n1 2 3 4 5 6\n",
+];
+const MATERIALX: &str = r#"<?xml version="1.0"?>
+<materialx version="1.39" colorspace="lin_rec709" fileprefix="">
+<nodegraph name="g"><input name="t" type="color3" value="0.5, 1, 1"/>
+<image name="i" type="color3"><input name="file" type="filename" value="seed.png" colorspace="srgb_texture"/></image>
+<multiply name="p" type="color3"><input name="in1" type="color3" nodename="i"/><input name="in2" type="color3" interfacename="t"/></multiply>
+<separate3 name="s" type="multioutput"><input name="in" type="color3" nodename="i"/></separate3>
+<normalmap name="n" type="vector3"><input name="in" type="vector3" nodename="i"/></normalmap>
+<output name="c" type="color3" nodename="p"/><output name="r" type="float" nodename="s" output="outy"/></nodegraph>
+<open_pbr_surface name="o" type="surfaceshader"><input name="base_color" type="color3" nodegraph="g" output="c"/>
+<input name="specular_roughness" type="float" nodegraph="g" output="r"/><input name="coat_weight" type="float" value="0.5"/></open_pbr_surface>
+<gltf_pbr name="q" type="surfaceshader"><input name="anisotropy_strength" type="float" value="0.5"/></gltf_pbr>
+<surfacematerial name="m" type="material"><input name="surfaceshader" type="surfaceshader" nodename="o"/></surfacematerial>
+<surfacematerial name="Gold" type="material"><input name="surfaceshader" type="surfaceshader" nodename="q"/></surfacematerial>
+<look name="l"><materialassign name="x" material="Gold" geom="/a"/></look></materialx>
+"#;
+
 /// The seeds of the target called `name`.
 pub(crate) fn of(name: &str) -> Vec<Vec<u8>> {
     let mut seeds = match name {
@@ -66,6 +89,9 @@ pub(crate) fn of(name: &str) -> Vec<Vec<u8>> {
         "obj" => vec![OBJ.into()],
         "mtl" => vec![MTL.into()],
         "fspy" => vec![fspy()],
+        "ies" => PROFILES.map(Into::into).to_vec(),
+        "binary" => vec![measured()],
+        "mtlx" => [exported("mtlx"), vec![MATERIALX.into()]].concat(),
         "opencv" => CALIBRATIONS.map(Into::into).to_vec(),
         "colmap" => RECONSTRUCTIONS.map(Into::into).to_vec(),
         "colmap_bin" => vec![colmap_images()],
@@ -114,14 +140,19 @@ fn scene() -> Scene {
 
 fn exported(extension: &str) -> Vec<Vec<u8>> {
     let scene = scene();
-    let program =
-        if matches!(extension, "rad" | "vf") { Program::Radiance } else { Program::Mitsuba };
+    let program = match extension {
+        "rad" | "vf" => Program::Radiance,
+        "mtlx" => Program::Materialx,
+        _ => Program::Mitsuba,
+    };
     let materials = scene.materials();
     let camera = &scene.cameras[0];
     let light_units = LightUnits::default();
     let shot =
         SceneView { scene: &scene, materials: &materials, camera, size: (4, 3), light_units };
-    let files = export(&shot, program).map(|(files, _)| files).unwrap_or_default();
+    let files = export(&shot, program, program.usual_name().as_ref())
+        .map(|(files, _)| files)
+        .unwrap_or_default();
     let is_mine = |name: &str| name.rsplit('.').next() == Some(extension);
     files.into_iter().filter(|(name, _)| is_mine(name)).map(|(_, bytes)| bytes).collect()
 }
@@ -144,6 +175,11 @@ fn part() -> Vec<u8> {
 }
 
 /// An fSpy project: the word `fspy`, the version, the lengths of state and picture, and both.
+fn measured() -> Vec<u8> {
+    let table = MeasuredBrdf::from_fn([5, 3, 4], |wo, wi| Rgb::splat((wo.z * wi.z).abs()));
+    table.map(|table| merl::to_bytes(&table)).unwrap_or_default()
+}
+
 fn fspy() -> Vec<u8> {
     let state = r#"{"cameraParameters": {"imageWidth": 4, "imageHeight": 3,
         "horizontalFieldOfView": 0.8, "principalPoint": {"x": 0, "y": 0}, "cameraTransform":

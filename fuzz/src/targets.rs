@@ -9,12 +9,13 @@ use unrender::commands::merge;
 use unrender::edit::EditSheet;
 use unrender::formats::cameras::{colmap, opencv};
 use unrender::formats::{
-    Input, Limits, assign_materials, fspy, load_model, load_scene, materials, picture, planes,
-    points, response_curve,
+    Input, Limits, assign_materials, axis_lines, fspy, ies, load_model, load_scene, material_file,
+    materials, merl, picture, planes, points, response_curve,
 };
 use unrender::listener::Console;
+use unrender::recover::measured::{Form, fit};
 use unrender::run::Run;
-use unrender::scene::{Group, Material, Rgb, Scene};
+use unrender::scene::{BrdfModel, Group, Material, Rgb, Scene};
 
 /// The memory limit for inputs, bytes; [`crate::worker`] allows the process more for itself.
 pub(crate) const MEMORY: u64 = 256 << 20;
@@ -44,7 +45,7 @@ pub(crate) struct Target {
 }
 
 /// All of them.
-pub(crate) const ALL: [Target; 24] = [
+pub(crate) const ALL: [Target; 27] = [
     Target { name: "gltf", kind: Kind::Json, read: scene },
     Target { name: "glb", kind: Kind::Glb, read: scene },
     Target { name: "obj", kind: Kind::Words, read: scene },
@@ -65,7 +66,10 @@ pub(crate) const ALL: [Target; 24] = [
     Target { name: "project", kind: Kind::Toml, read: project },
     Target { name: "edit", kind: Kind::Toml, read: edit },
     Target { name: "csv", kind: Kind::Words, read: tables },
+    Target { name: "binary", kind: Kind::Bytes, read: measured },
+    Target { name: "mtlx", kind: Kind::Words, read: materialx },
     Target { name: "fspy", kind: Kind::Bytes, read: fspy_project },
+    Target { name: "ies", kind: Kind::Words, read: profile },
     Target { name: "opencv", kind: Kind::Words, read: calibration },
     Target { name: "colmap", kind: Kind::Words, read: reconstruction },
     Target { name: "colmap_bin", kind: Kind::Bytes, read: reconstruction },
@@ -130,6 +134,23 @@ fn material_file(path: &Path) {
     let _ = materials::apply_from(input(path), &mut scene);
 }
 
+fn measured(path: &Path) {
+    let Ok(table) = merl::read(input(path)) else { return };
+    // Of large tables the reading is what matters.
+    if table.len() < 4096 {
+        let _ = fit(&table, &Form::of(Some(BrdfModel::Ggx)));
+    }
+}
+
+fn materialx(path: &Path) {
+    let mut scene = Scene::default();
+    for name in ["m", "a", "Gold"] {
+        let material = Material::diffuse(Rgb::ONE);
+        scene.groups.push(Group { name: name.into(), material, emission: Rgb::ZERO });
+    }
+    let _ = material_file::apply(input(path), &mut scene);
+}
+
 fn run(path: &Path) {
     let folder = path.with_extension("folder");
     let _ = fs::create_dir_all(&folder);
@@ -164,6 +185,7 @@ fn edit(path: &Path) {
 fn tables(path: &Path) {
     if let Ok(bytes) = fs::read(path) {
         let _ = points::parse(&bytes);
+        let _ = axis_lines::parse(&bytes);
         let _ = response_curve::parse(&bytes);
     }
 }
@@ -172,6 +194,10 @@ fn fspy_project(path: &Path) {
     if let Ok(bytes) = fs::read(path) {
         let _ = fspy::parse(&bytes, None);
     }
+}
+
+fn profile(path: &Path) {
+    let _ = ies::read(input(path));
 }
 
 fn calibration(path: &Path) {

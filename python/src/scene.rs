@@ -381,25 +381,37 @@ fn light_in(light: &Value, scene: &plain::Scene) -> PyResult<Light> {
             direction: vec("direction")?.normalize_or(Vec3::NEG_Y),
             irradiance: strength,
         },
-        _ => return Err(request("a light is of the kind point, spot or directional")),
+        Some("profiled") => LightKind::Profiled {
+            position: position()?,
+            direction: vec("direction")?.normalize_or(Vec3::NEG_Y),
+            upright: vec("upright")?.normalize_or(Vec3::X),
+            intensity: strength,
+            profile: serde_json::from_value(light["profile"].clone())
+                .map_err(|error| request(format!("the profile of a light {error}")))?,
+        },
+        _ => return Err(request("a light is of the kind point, spot, directional or profiled")),
     };
     Ok(Light { name: name(light)?, kind })
 }
 
 fn light_out(light: &Light, scene: &plain::Scene) -> Value {
     let place = |here: Vec3| scene.in_world(here).to_array();
-    let mut value = match light.kind {
+    let mut value = match &light.kind {
         LightKind::Point { position, intensity } => json!({
-            "kind": "point", "position": place(position), "strength": intensity.to_array(),
+            "kind": "point", "position": place(*position), "strength": intensity.to_array(),
         }),
         LightKind::Spot { position, direction, intensity, inner_rad, outer_rad } => json!({
-            "kind": "spot", "position": place(position), "direction": direction.to_array(),
+            "kind": "spot", "position": place(*position), "direction": direction.to_array(),
             "strength": intensity.to_array(), "inner_deg": inner_rad.to_degrees(),
             "outer_deg": outer_rad.to_degrees(),
         }),
         LightKind::Directional { direction, irradiance } => json!({
             "kind": "directional", "direction": direction.to_array(),
             "strength": irradiance.to_array(),
+        }),
+        LightKind::Profiled { position, direction, upright, intensity, profile } => json!({
+            "kind": "profiled", "position": place(*position), "direction": direction.to_array(),
+            "upright": upright.to_array(), "strength": intensity.to_array(), "profile": profile,
         }),
     };
     value["name"] = json!(light.name);

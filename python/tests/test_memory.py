@@ -146,6 +146,28 @@ def test_calibrate_takes_arrays_and_makes_projects(tmp_path: Path) -> None:
         unrender.calibrate(photo, scene=scene, points=points, out=out)
 
 
+def test_calibrate_takes_lines_without_a_scene(tmp_path: Path) -> None:
+    camera = unrender.Camera(eye=(1.6, 1.4, 3), target=(0, 0.4, 0), fov_y_deg=40)
+    rows: list[list[object]] = []
+    for axis in range(3):
+        for corner in ((0, 0), (0, 1), (1, 0), (1, 1)):
+            begin = np.insert(np.asarray(corner, dtype=float), axis, 0)
+            ends = camera.project(np.array([begin, begin + np.eye(3)[axis]]), 640, 480)
+            rows.append([f"+{'xyz'[axis]}", *ends.ravel(), 1.0 if not rows else ""])
+    file = tmp_path / "lines.csv"
+    header = "axis,x1_px,y1_px,x2_px,y2_px,length_m"
+    file.write_text("\n".join([header, *(",".join(map(str, row)) for row in rows)]))
+    photo = np.full((480, 640, 3), 0.5, dtype=np.float32)
+    unrender.Picture(photo).save(tmp_path / "photo.exr")
+    found = unrender.calibrate(tmp_path / "photo.exr", lines=file)
+    np.testing.assert_allclose(np.asarray(found.camera.eye), camera.eye, atol=0.01)
+    assert "12 of 12 lines" in found.summary
+    with pytest.raises(unrender.CalibrateError, match="show no two perpendicular directions"):
+        unrender.calibrate(tmp_path / "photo.exr", lines="auto")
+    with pytest.raises(unrender.RequestError, match="take the path of the photo"):
+        unrender.calibrate(photo, lines=file)
+
+
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16])
 def test_integer_codes_are_written_without_a_loss(kind: Any, tmp_path: Path) -> None:
     scene = room()

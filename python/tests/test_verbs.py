@@ -19,6 +19,7 @@ VERBS: dict[str, Callable[..., object]] = {
     "calibrate": unrender.calibrate,
     "check": unrender.check,
     "export": unrender.export,
+    "fit-brdf": unrender.fit_brdf,
     "init": unrender.init,
     "merge": unrender.merge,
     "merge-exposures": unrender.merge_exposures,
@@ -186,3 +187,19 @@ def test_calibrate_finds_the_camera_of_points_in_arrays(corpus: Path, tmp_path: 
     assert "12" in found.summary
     with pytest.raises(unrender.CalibrateError):
         unrender.calibrate(photo, scene=scene, points=(pixels[:3], metres[:3]))
+
+
+def test_a_measured_brdf_is_fitted(tmp_path: Path) -> None:
+    counts = (12, 6, 4)
+    cells = np.full((3, *counts), 0.5 / np.pi) / (np.array([1.0, 1.15, 1.66]) / 1500)[:, None, None, None]
+    table = tmp_path / "chalk.binary"
+    table.write_bytes(np.array(counts, "<i4").tobytes() + cells.astype("<f8").tobytes())
+    fitted = unrender.fit_brdf(table, model="ggx")
+    assert fitted.chosen["hypothesis"] == "diffuse"
+    np.testing.assert_allclose(fitted.chosen["rho_d"], 0.5, rtol=1e-4)
+    assert "[groups.chalk]" in fitted.project
+    unrender.fit_brdf(table, model="ggx", group="board", out=tmp_path / "board")
+    assert (tmp_path / "board" / "fits.png").exists()
+    table.write_bytes(table.read_bytes()[:100])
+    with pytest.raises(unrender.FileError, match="cut short"):
+        unrender.fit_brdf(table)

@@ -159,22 +159,29 @@ class Light:
     """A light without a surface.
 
     Attributes:
-        kind: "point", "spot" or "directional".
-        strength: Radiant intensity, W sr^-1 per channel; for directional ones irradiance, W m^-2.
-        position: For points and spots, metres.
-        direction: The direction in which the light of spots and directional ones travels.
+        kind: "point", "spot", "directional", or "profiled" for a lamp with a photometric profile.
+        strength: Radiant intensity, W sr^-1 per channel, the greatest of a profile; for directional ones
+            irradiance, W m^-2.
+        position: Of all but directional ones, metres.
+        direction: The direction in which the light of spots and directional ones travels, or in which a
+            lamp with a profile is aimed.
         inner_deg: For spots: the half angle up to which the intensity is full, degrees.
         outer_deg: For spots: the half angle from which it is zero, degrees.
         name: Its name.
+        upright: For lamps with a profile: the horizontal angle 0 of type C, upwards of types A and B.
+        profile: Its table: photometry ("A", "B" or "C"), vertical_deg, horizontal_deg, and candela, for each
+            horizontal angle those at all vertical ones.
     """
 
-    kind: Literal["point", "spot", "directional"]
+    kind: Literal["point", "spot", "directional", "profiled"]
     strength: Triple
     position: Triple = (0.0, 0.0, 0.0)
     direction: Triple = (0.0, -1.0, 0.0)
     inner_deg: float = 0.0
     outer_deg: float = 45.0
     name: str = "light"
+    upright: Triple = (1.0, 0.0, 0.0)
+    profile: Mapping[str, Any] | None = None
 
 
 _FAR = 32.0

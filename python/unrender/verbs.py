@@ -33,6 +33,7 @@ from .recovery import Recovery
 from .scene import Camera, Scene
 
 __all__ = [
+    "BrdfFits",
     "Calibration",
     "Checkup",
     "Plan",
@@ -42,6 +43,7 @@ __all__ = [
     "calibrate",
     "check",
     "export",
+    "fit_brdf",
     "init",
     "plan",
     "report",
@@ -70,6 +72,10 @@ def calibrate(
     *,
     scene: Scene | StrPath | None = None,
     points: StrPath | tuple[ArrayLike, ArrayLike] | None = None,
+    lines: StrPath | None = None,
+    camera_height: float | None = None,
+    show_lines: StrPath | None = None,
+    save_lines: StrPath | None = None,
     fspy: StrPath | None = None,
     fspy_up: str | None = None,
     principal_point: bool = False,
@@ -82,7 +88,7 @@ def calibrate(
     allow_missing: bool = False,
     input_memory: float | None = None,
 ) -> Calibration:
-    """Finds the camera of a photograph from points of the scene that it shows.
+    """Finds the camera of a photograph from points of the scene that it shows, or from lines along its axes.
 
     Args:
         photo: The photograph, a path or an array (H, W, 3) as in a :class:`Project`; by default that of
@@ -90,6 +96,11 @@ def calibrate(
         scene: A scene, or the path of its file; by default that of the project in ``out``.
         points: The path of a CSV file (x_px,y_px,x_m,y_m,z_m,name); or two arrays: pixels (N, 2),
             (0, 0) the photo's top left corner, and the same points in the scene, metres (N, 3).
+        lines: The path of a CSV file (axis,x1_px,y1_px,x2_px,y2_px,length_m,name) of lines along the axes of
+            a scene, which needs no model then; or "auto" to find them in the photograph.
+        camera_height: With ``lines``, the camera's height above the origin, metres.
+        show_lines: A picture (.png) to write, with the lines over the photograph.
+        save_lines: A CSV file to write the lines to, such as those that were found.
         fspy: Take the camera of an fSpy project instead.
         fspy_up: The axis of the fSpy project that points upwards, "y" or "z".
         principal_point: Find the principal point too.
@@ -98,20 +109,24 @@ def calibrate(
         seed: The seed of the subsets of pairs that are tried.
         name: The camera's name in a .glb.
         out: A project file (.toml), which is made or whose camera is replaced, or the scene with the
-            camera in it (.glb); by default nothing is written. Data in memory are written beside a
-            new project.
+            camera in it (.glb), with ``lines`` also a new scene of the camera and a square metre; by default nothing is written. Data in
+            memory are written beside a new project.
         allow_outside: Whether scenes may name files outside their folder.
         allow_missing: Whether a scene is read without the files that it names and that are missing.
         input_memory: The memory that a scene or a picture may take while it is read, GiB.
 
     Raises:
-        CalibrateError: If the points do not determine a camera.
+        CalibrateError: If the points or lines do not determine a camera.
     """
     with ExitStack() as stack:
         place = stack.enter_context(temporary())
         if isinstance(points, tuple):
             points = _points_file(place / "points.csv", *points)
-        target = place / "project.toml" if out is None else Path(out)
+        # Lines need no scene, and a project needs one.
+        needs_scene = lines is None or scene is not None
+        if not (needs_scene or photo is None or is_path(photo)):
+            raise RequestError("lines without a scene take the path of the photo")
+        target = place / ("project.toml" if needs_scene else "camera.glb") if out is None else Path(out)
         made = None
         if isinstance(scene, Scene) or not (photo is None or is_path(photo)):
             made = _project_in_memory(photo, scene, target)
@@ -124,6 +139,10 @@ def calibrate(
         flags: dict[str, object] = {
             "scene": scene,
             "points": points,
+            "lines": lines,
+            "camera_height": camera_height,
+            "show_lines": show_lines,
+            "save_lines": save_lines,
             "fspy": fspy,
             "fspy_up": fspy_up,
             "principal_point": principal_point,
@@ -468,8 +487,8 @@ def export(
         scene: A scene, or the path of its file, instead of a recovery.
         materials: Materials for the groups of ``scene``, as in :func:`render`.
         light_units: The units of a glTF file's lights.
-        to: "blender", "gltf", "materialx", "mitsuba", "pbrt" or "radiance".
-        out: The folder to write, or for gltf the .glb file.
+        to: "blender", "gltf", "materialx", "mitsuba", "pbrt", "radiance" or "usd".
+        out: The folder to write; for gltf the .glb file, for usd the .usda, .usdc or .usdz file.
         environment: A panorama instead of the scene's or the recovered environment, as in
             ``"sky.exr: rotation_deg = 90, scale = 0.7"``.
         camera: The camera's name; by default the photograph's, else the scene's first.
@@ -565,6 +584,59 @@ def score(
         ]
         line = words("score", [str(path) for path in both], limits, allow_outside, input_memory)
         return Score(json.loads(_called(line, None, None, None, may_fail=True)))
+
+
+@dataclass(frozen=True)
+class BrdfFits:
+    """Materials that were fitted to a measured BRDF.
+
+    Attributes:
+        document: The output of ``unrender fit-brdf --json``.
+    """
+
+    document: dict[str, Any]
+
+    @property
+    def fits(self) -> list[dict[str, Any]]:
+        """The fits, the simplest first."""
+        fits: list[dict[str, Any]] = self.document["fits"]
+        return fits
+
+    @property
+    def chosen(self) -> dict[str, Any]:
+        """The simplest whose error is at most 2 % above the least."""
+        chosen: dict[str, Any] = self.fits[self.document["chosen"]]
+        return chosen
+
+    @property
+    def project(self) -> str:
+        """The lines of a project file that state it."""
+        project: str = self.document["project"]
+        return project
+
+
+def fit_brdf(
+    file: StrPath,
+    *,
+    model: str | None = None,
+    group: str | None = None,
+    out: StrPath | None = None,
+    threads: int | None = None,
+    input_memory: float | None = None,
+) -> BrdfFits:
+    """Fits the materials of this program to a measured BRDF.
+
+    Args:
+        file: The measured BRDF, in MERL's binary format.
+        model: Fit this BRDF model alone: "principled", "ggx", "ward-gmd", "ward-1992" or "ward-duer"; by default all.
+        group: The group that has the material; by default the name of the file.
+        out: A folder for the fits and their picture, or a file for the fits alone (.json); by default nothing is written.
+        threads: The number of threads; by default one per core.
+        input_memory: The memory that the table may take while it is read, GiB.
+    """
+    flags: dict[str, object] = {"model": model, "group": group, "out": out, "json": True}
+    line = words("fit-brdf", [str(file)], flags, False, input_memory)
+    return BrdfFits(json.loads(_called(line, None, None, threads)))
 
 
 def split(results: Recovery | StrPath, *, out: StrPath, group: str | None = None) -> Path:

@@ -224,7 +224,7 @@ fn at_truth(given: &Job, truth: &Path) -> Result<Job, Failure> {
 fn known(material: &Material) -> Known {
     let Material { rho_d, rho_s, alpha_x, alpha_y, theta_rad, .. } = *material;
     let reflectance = ReflectanceEntry::of(material);
-    Known { rho_d, rho_s: Some(rho_s), reflectance, alpha_x, alpha_y, theta_rad }
+    Known { file: None, rho_d, rho_s: Some(rho_s), reflectance, alpha_x, alpha_y, theta_rad }
 }
 
 /// Prints each warning once: every group is recovered from the same photograph.

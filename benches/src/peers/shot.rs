@@ -27,7 +27,7 @@ pub(crate) fn export(shot: &Shot, target: Target, folder: &Path) -> Result<(), F
     let Shot { camera, size, .. } = *shot;
     let light_units = LightUnits::default();
     let shot = export::SceneView { scene, materials: &materials, camera, size, light_units };
-    let (files, _) = export::export(&shot, target)?;
+    let (files, _) = export::export(&shot, target, folder)?;
     if folder.exists() {
         std::fs::remove_dir_all(folder)?;
     }

@@ -17,10 +17,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
-
-/// The luminous efficacy that the exporter uses, lm/W: that in the definition of the candela, of
-/// monochromatic light at 540 THz.
-const LUMENS_PER_WATT: f64 = 683.0;
+use unrender_scene::LUMENS_PER_WATT;
 
 /// The unit of the intensity of a light in a glTF file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,6 +55,15 @@ impl LightUnits {
             Self::BlenderStandard => 1.0 / LUMENS_PER_WATT,
             Self::BlenderRaw if is_directional => 1.0,
             Self::BlenderRaw => 1.0 / (4.0 * PI),
+        }
+    }
+
+    /// The radiant intensity, W/sr, of a candela of a photometric profile in a file in these units. A radiometric file
+    /// has its candelas taken as they stand, as those of its other lights.
+    pub fn radiometric_of_candela(self) -> f64 {
+        match self {
+            Self::Radiometric => 1.0,
+            Self::BlenderStandard | Self::Unitless | Self::BlenderRaw => 1.0 / LUMENS_PER_WATT,
         }
     }
 }

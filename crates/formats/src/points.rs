@@ -13,13 +13,12 @@
 //! begin with `#` are comments. Semicolons or tabs may separate the values as well, and numbers have decimal
 //! commas then.
 
-use crate::separated::Table;
+use crate::separated::{NAME, Row, Rows};
 use crate::{FileError, input};
 use std::path::Path;
 pub use unrender_scene::Pair;
 
 const COLUMNS: [&str; 5] = ["x_px", "y_px", "x_m", "y_m", "z_m"];
-const NAME: &str = "name";
 
 /// Reads the pairs in the file at `path`.
 ///
@@ -42,62 +41,12 @@ pub fn read(path: &Path) -> Result<Vec<Pair>, FileError> {
 /// # Errors
 /// As [`read`], in words without the file's name.
 pub fn parse(bytes: &[u8]) -> Result<Vec<Pair>, String> {
-    let table = Table::of(bytes);
-    let (bytes, mut reader) = (table.bytes, table.reader());
-    let header = reader.headers().map_err(|error| faulty(bytes, &error))?.clone();
-    let unknown = |column: &&str| *column != NAME && !COLUMNS.contains(column);
-    if let Some(unknown) = header.iter().find(unknown) {
-        return Err(format!(
-            "there is no column \"{unknown}\"; the first line is x_px,y_px,x_m,y_m,z_m and, if \
-             points have names, name"
-        ));
-    }
-    let place = |column: &str| header.iter().position(|c| c == column);
-    let mut places = [0; 5];
-    for (slot, column) in places.iter_mut().zip(COLUMNS) {
-        *slot = place(column).ok_or_else(|| format!("the column {column} is missing"))?;
-    }
-    let mut pairs = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| faulty(bytes, &error))?;
-        let line = line_of(bytes, record.position());
-        if record.len() != header.len() {
-            return Err(format!(
-                "line {line}: has {} values, but there are {} columns",
-                record.len(),
-                header.len()
-            ));
-        }
-        let mut numbers = [0.0; 5];
-        for ((number, place), column) in numbers.iter_mut().zip(places).zip(COLUMNS) {
-            let faulty = |problem| format!("line {line}: {column} is {problem}");
-            *number = table.number(&record[place]).map_err(faulty)?;
-        }
-        let name = place(NAME).map_or("", |place| &record[place]);
-        let name = if name.is_empty() { format!("line {line}") } else { name.to_owned() };
-        let [x_px, y_px, x, y, z] = numbers;
-        pairs.push(Pair { name, pixel: [x_px, y_px], point: [x, y, z] });
-    }
-    Ok(pairs)
-}
-
-fn faulty(bytes: &[u8], error: &csv::Error) -> String {
-    match error.position() {
-        Some(position) => format!("line {}: is not CSV ({error})", line_of(bytes, Some(position))),
-        None => format!("is not CSV ({error})"),
-    }
-}
-
-/// The line of the record at `position`. The reader gives the place where it began to look:
-/// comments and empty lines may come first.
-fn line_of(bytes: &[u8], position: Option<&csv::Position>) -> usize {
-    let start = position.map_or(0, |p| p.byte() as usize).min(bytes.len());
-    let (before, after) = bytes.split_at(start);
-    let skipped = after.split(|byte| *byte == b'\n').take_while(|line| {
-        let line = line.trim_ascii();
-        line.is_empty() || line.starts_with(b"#")
-    });
-    1 + before.iter().filter(|byte| **byte == b'\n').count() + skipped.count()
+    let rows = Rows::read(bytes, &COLUMNS, &[NAME])?;
+    let pair = |row: &Row| {
+        let [x_px, y_px, x, y, z] = rows.numbers(row, COLUMNS)?;
+        Ok(Pair { name: rows.name(row), pixel: [x_px, y_px], point: [x, y, z] })
+    };
+    rows.all.iter().map(pair).collect()
 }
 
 #[cfg(test)]

@@ -36,6 +36,13 @@ pub(crate) fn light_note(light: &Light, origin: DVec3) -> String {
             "inner_deg": degrees(inner_rad),
             "outer_deg": degrees(outer_rad),
         }),
+        LightKind::Profiled { position, direction, upright, ref profile, .. } => json!({
+            "kind": "profiled",
+            "position": triple_at(origin, position),
+            "direction": vector(direction),
+            "upright": vector(upright),
+            "profile": profile,
+        }),
     };
     let mut json = json;
     json["name"] = Value::from(light.name.as_str());
@@ -69,6 +76,13 @@ fn light(json: &Value, origin: DVec3) -> Option<Light> {
             intensity: strength,
             inner_rad: angle("inner_deg")?,
             outer_rad: angle("outer_deg")?,
+        },
+        "profiled" => LightKind::Profiled {
+            position: position()?,
+            direction: vector("direction")?,
+            upright: vector("upright")?,
+            intensity: strength,
+            profile: serde_json::from_value(json["profile"].clone()).ok()?,
         },
         _ => return None,
     };

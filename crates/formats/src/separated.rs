@@ -65,6 +65,121 @@ impl<'a> Table<'a> {
     }
 }
 
+/// The column of what a row is called.
+pub(crate) const NAME: &str = "name";
+
+/// One row of [`Rows`].
+pub(crate) struct Row {
+    /// Its line in the file, from 1.
+    pub line: usize,
+    values: csv::StringRecord,
+}
+
+/// A table whose first line names its columns, in any order.
+pub(crate) struct Rows<'a> {
+    table: Table<'a>,
+    header: csv::StringRecord,
+    /// In the order of the file.
+    pub all: Vec<Row>,
+}
+
+impl<'a> Rows<'a> {
+    /// Reads a table that has all `required` columns, and no others but `optional` ones.
+    ///
+    /// # Errors
+    /// If it has others, or a row is incomplete; in words without the file's name.
+    pub(crate) fn read(
+        bytes: &'a [u8],
+        required: &[&str],
+        optional: &[&str],
+    ) -> Result<Self, String> {
+        let table = Table::of(bytes);
+        let (bytes, mut reader) = (table.bytes, table.reader());
+        let header = reader.headers().map_err(|error| faulty(bytes, &error))?.clone();
+        let unknown = |column: &&str| !required.contains(column) && !optional.contains(column);
+        if let Some(unknown) = header.iter().find(unknown) {
+            return Err(format!(
+                "there is no column \"{unknown}\"; the first line is {}, and may have {}",
+                required.join(","),
+                optional.join(" and ")
+            ));
+        }
+        if let Some(missing) = required.iter().find(|column| !header.iter().any(|h| h == **column))
+        {
+            return Err(format!("the column {missing} is missing"));
+        }
+        let mut all = Vec::new();
+        for record in reader.records() {
+            let values = record.map_err(|error| faulty(bytes, &error))?;
+            let line = line_of(bytes, values.position());
+            if values.len() != header.len() {
+                return Err(format!(
+                    "line {line}: has {} values, but there are {} columns",
+                    values.len(),
+                    header.len()
+                ));
+            }
+            all.push(Row { line, values });
+        }
+        Ok(Self { table, header, all })
+    }
+
+    /// What the row has in a column; nothing if there is no such column.
+    pub(crate) fn text<'r>(&self, row: &'r Row, column: &str) -> &'r str {
+        let place = self.header.iter().position(|name| name == column);
+        place.and_then(|place| row.values.get(place)).unwrap_or("")
+    }
+
+    /// The number that the row has in a column.
+    ///
+    /// # Errors
+    /// If it is none, with line and column.
+    pub(crate) fn number(&self, row: &Row, column: &str) -> Result<f64, String> {
+        let faulty = |problem| format!("line {}: {column} is {problem}", row.line);
+        self.table.number(self.text(row, column)).map_err(faulty)
+    }
+
+    /// As [`Rows::number`], of several columns.
+    pub(crate) fn numbers<const N: usize>(
+        &self,
+        row: &Row,
+        columns: [&str; N],
+    ) -> Result<[f64; N], String> {
+        let mut numbers = [0.0; N];
+        for (number, column) in numbers.iter_mut().zip(columns) {
+            *number = self.number(row, column)?;
+        }
+        Ok(numbers)
+    }
+
+    /// What the row is called: by [`NAME`], else by its line.
+    pub(crate) fn name(&self, row: &Row) -> String {
+        match self.text(row, NAME) {
+            "" => format!("line {}", row.line),
+            name => name.to_owned(),
+        }
+    }
+}
+
+fn faulty(bytes: &[u8], error: &csv::Error) -> String {
+    match error.position() {
+        Some(position) => format!("line {}: is not CSV ({error})", line_of(bytes, Some(position))),
+        None => format!("is not CSV ({error})"),
+    }
+}
+
+/// The line of the record at `position`. The reader gives the place where it began to look:
+/// comments and empty lines may come first.
+fn line_of(bytes: &[u8], position: Option<&csv::Position>) -> usize {
+    let start = position.map_or(0, |p| p.byte() as usize).min(bytes.len());
+    let (before, after) = bytes.split_at(start);
+    let skipped = after.split(|byte| *byte == b'\n').take_while(|line| {
+        let line = line.trim_ascii();
+        line.is_empty() || line.starts_with(b"#")
+    });
+    1 + before.iter().filter(|byte| **byte == b'\n').count() + skipped.count()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

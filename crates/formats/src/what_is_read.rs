@@ -1,6 +1,6 @@
 //! What is read of each format, as plain data: the tables that the readers themselves use.
 
-use crate::{cameras, fspy, gltf, import, obj, picture};
+use crate::{cameras, fspy, gltf, ies, import, materialx, merl, obj, picture};
 
 pub use crate::entry::{Row, Table, Taken};
 
@@ -18,5 +18,8 @@ pub fn what_is_read() -> Vec<Table> {
     let mut tables = [obj::tables(), gltf::tables(), import::tables(), picture::tables()].concat();
     tables.extend(cameras::tables());
     tables.push(fspy::table());
+    tables.push(ies::table_of_elements());
+    tables.push(merl::table());
+    tables.extend(materialx::tables());
     tables
 }

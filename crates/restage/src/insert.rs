@@ -184,5 +184,10 @@ fn transform_light(light: &mut Light, transform: &Affine3A, scale: f32) {
             *intensity *= scale * scale;
         }
         LightKind::Directional { direction, .. } => *direction = turn(*direction),
+        LightKind::Profiled { position, direction, upright, intensity, .. } => {
+            *position = transform.transform_point3(*position);
+            (*direction, *upright) = (turn(*direction), turn(*upright));
+            *intensity *= scale * scale;
+        }
     }
 }

@@ -5,7 +5,12 @@
 use crate::stage::{Stage, some_names};
 use glam::{DVec3, Quat, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
-use unrender_scene::{ENVIRONMENT, Group, Light, LightKind, Material, Mesh, Object, Rgb, Scene};
+use std::f64::consts::PI;
+use unrender_scene::color::LUMINANCE;
+use unrender_scene::{
+    ENVIRONMENT, Group, LUMENS_PER_WATT, Light, LightKind, LightProfile, Material, Mesh, Object,
+    Reach, Rgb, Scene, UpAxis,
+};
 
 /// Changes, adds or removes one light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,10 +19,34 @@ pub struct LightEdit {
     pub name: String,
     /// The change.
     pub change: LightChange,
+    /// How bright it is afterwards, if that is stated in photometric units.
+    pub photometric: Option<Photometric>,
+}
+
+/// The brightness of a light in photometric units, 683 lm/W; its colour stays as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Photometric {
+    /// The unit.
+    pub unit: PhotometricUnit,
+    /// The number in that unit.
+    pub value: f64,
+    /// Factor on the strength that this gives, by channel.
+    pub scale: Rgb,
+}
+
+/// The unit of a light's brightness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PhotometricUnit {
+    /// The flux of a lamp.
+    Lumens,
+    /// The greatest intensity of a lamp without a surface.
+    Candela,
+    /// The illuminance of a surface that faces a directional light.
+    Lux,
 }
 
 /// A change of a light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum LightChange {
     /// Changes its parameters.
     Alter(Alter),
@@ -28,7 +57,7 @@ pub enum LightChange {
 }
 
 /// A change of the parameters of a light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Alter {
     /// Factor on its strength, by channel; zero switches it off.
     pub scale: Rgb,
@@ -37,15 +66,32 @@ pub struct Alter {
     pub strength: Option<Rgb>,
     /// Translation, metres.
     pub shift: Vec3,
-    /// New axis of emission, a unit vector: spots and directional lights.
+    /// New axis of emission, a unit vector: spots, directional lights and lamps with a profile.
     pub direction: Option<Vec3>,
+    /// The photometric profile that a point or spot light shines by from now on.
+    pub profile: Option<LightProfile>,
+    /// Rotation of a profile about its axis, counter-clockwise seen from behind the lamp, radians.
+    pub turn_rad: Option<f32>,
 }
 
 /// A new light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum NewLight {
     /// A punctual light.
     Punctual(LightKind),
+    /// A lamp that shines by a photometric profile.
+    Profiled {
+        /// Its place, metres.
+        position: Vec3,
+        /// The unit vector in which it is aimed; none for straight down.
+        direction: Option<Vec3>,
+        /// Rotation about that axis, counter-clockwise seen from behind the lamp, radians.
+        turn_rad: f32,
+        /// Radiant intensity where the profile has its greatest, W sr^-1 per channel.
+        intensity: Rgb,
+        /// The profile.
+        profile: LightProfile,
+    },
     /// A rectangle that emits from its front.
     Area {
         /// Its centre, metres.
@@ -77,10 +123,18 @@ enum LightRef {
 
 pub(crate) fn apply(edit: &LightEdit, stage: &mut Stage<'_>) -> Result<(), String> {
     stage.claim("light", &edit.name)?;
-    if let LightChange::Add(new, place) = edit.change {
-        return add(&edit.name, moved(new, stage.scene.here(place)), stage);
+    change(edit, stage)?;
+    match &edit.photometric {
+        Some(photometric) => shine(&edit.name, photometric, stage),
+        None => Ok(()),
     }
-    match (find(&edit.name, stage)?, edit.change) {
+}
+
+fn change(edit: &LightEdit, stage: &mut Stage<'_>) -> Result<(), String> {
+    if let LightChange::Add(new, place) = &edit.change {
+        return add(&edit.name, moved(new.clone(), stage.scene.here(*place)), stage);
+    }
+    match (find(&edit.name, stage)?, &edit.change) {
         (found, LightChange::Alter(alter)) => alter_light(&edit.name, &found, alter, stage),
         (LightRef::Area(group), _) => {
             let of_group: Vec<bool> =
@@ -97,6 +151,55 @@ pub(crate) fn apply(edit: &LightEdit, stage: &mut Stage<'_>) -> Result<(), Strin
             Ok(())
         }
     }
+}
+
+/// Gives the light `name` the brightness `photometric`, in its own colour, or white if it was black.
+fn shine(name: &str, photometric: &Photometric, stage: &mut Stage<'_>) -> Result<(), String> {
+    let Photometric { unit, value, scale } = *photometric;
+    let found = find(name, stage)?;
+    let scene = &mut stage.scene;
+    // How much of the unit a strength of one makes, over the luminous efficacy.
+    let of_one = match (&found, unit) {
+        (LightRef::Area(group), PhotometricUnit::Lumens) => Some(PI * area(scene, *group)),
+        (LightRef::Punctual(index), PhotometricUnit::Lumens) => {
+            scene.lights[*index].kind.steradians()
+        }
+        (LightRef::Punctual(index), _) => {
+            let is_directional = scene.lights[*index].kind.reach().is_none();
+            (is_directional == (unit == PhotometricUnit::Lux)).then_some(1.0)
+        }
+        _ => None,
+    };
+    let Some(of_one) = of_one.filter(|of_one| *of_one > 0.0) else {
+        return Err(format!(
+            "\"{name}\" cannot be as bright as that unit says: lumens are for lamps and area lights, candela for point \
+             and spot lights and lamps with a profile, lux for directional lights"
+        ));
+    };
+    let strength = match found {
+        LightRef::Area(group) => &mut scene.groups[group].emission,
+        LightRef::Punctual(index) => scene.lights[index].kind.strength_mut(),
+        LightRef::Environment => return Ok(()),
+    };
+    let now = strength.as_dvec3();
+    let color = if now.max_element() > 0.0 { now } else { DVec3::ONE };
+    let luminance = LUMINANCE.as_dvec3().dot(color);
+    *strength = (color * (value / (LUMENS_PER_WATT * of_one * luminance))).as_vec3() * scale;
+    let is_finite = strength.is_finite();
+    is_finite.then_some(()).ok_or_else(|| format!("\"{name}\" would be infinitely bright"))
+}
+
+/// The area of the surfaces of a group, m^2.
+fn area(scene: &Scene, group: usize) -> f64 {
+    let objects = scene.objects.iter().filter(|object| object.group == group);
+    let triangles = objects.flat_map(|object| {
+        (0..object.mesh.triangles.len()).map(|index| object.mesh.corners(index))
+    });
+    let of_triangle = |corners: [Vec3; 3]| {
+        let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+        0.5 * (b - a).cross(c - a).length()
+    };
+    triangles.map(of_triangle).sum()
 }
 
 fn find(name: &str, stage: &Stage<'_>) -> Result<LightRef, String> {
@@ -120,7 +223,7 @@ fn find(name: &str, stage: &Stage<'_>) -> Result<LightRef, String> {
 fn alter_light(
     name: &str,
     found: &LightRef,
-    alter: Alter,
+    alter: &Alter,
     stage: &mut Stage<'_>,
 ) -> Result<(), String> {
     let change = &mut stage.change;
@@ -129,6 +232,11 @@ fn alter_light(
         LightRef::Area(group) => {
             if alter.direction.is_some() {
                 return Err(format!("\"{name}\" is an area light, which has no direction to set"));
+            }
+            if alter.profile.is_some() || alter.turn_rad.is_some() {
+                return Err(format!(
+                    "\"{name}\" is an area light, which has no profile; remove it, and add a point light with one"
+                ));
             }
             let objects = scene.objects.iter_mut().zip(&mut change.origin);
             for (object, origin) in objects.filter(|(o, _)| o.group == group) {
@@ -140,7 +248,7 @@ fn alter_light(
             &mut scene.groups[group].emission
         }
         LightRef::Punctual(index) => {
-            place(name, &mut scene.lights[index].kind, alter)?;
+            place(name, &mut scene.lights[index].kind, scene.up, alter)?;
             scene.lights[index].kind.strength_mut()
         }
         LightRef::Environment => return scale_environment(alter, scene),
@@ -150,8 +258,10 @@ fn alter_light(
 }
 
 /// All of the environment has one factor here; another edit replaces it.
-fn scale_environment(alter: Alter, scene: &mut Scene) -> Result<(), String> {
-    if alter.strength.is_some() || alter.direction.is_some() || alter.shift != Vec3::ZERO {
+fn scale_environment(alter: &Alter, scene: &mut Scene) -> Result<(), String> {
+    let is_shaped =
+        alter.direction.is_some() || alter.profile.is_some() || alter.turn_rad.is_some();
+    if alter.strength.is_some() || is_shaped || alter.shift != Vec3::ZERO {
         return Err(format!(
             "\"{ENVIRONMENT}\" is the light from all around: give scale, or off; the table [environment] replaces it"
         ));
@@ -166,8 +276,19 @@ fn scale_environment(alter: Alter, scene: &mut Scene) -> Result<(), String> {
     Ok(())
 }
 
-fn place(name: &str, kind: &mut LightKind, alter: Alter) -> Result<(), String> {
+/// Puts, turns and shapes the light `kind` of a scene of which `up` points upwards.
+fn place(name: &str, kind: &mut LightKind, up: UpAxis, alter: &Alter) -> Result<(), String> {
+    if let Some(profile) = &alter.profile {
+        *kind = profiled(name, kind, profile, up)?;
+    }
     match kind {
+        LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Directional { .. }
+            if alter.turn_rad.is_some() =>
+        {
+            return Err(format!(
+                "\"{name}\" has no profile; turn_deg turns a lamp with a profile about its axis"
+            ));
+        }
         LightKind::Point { .. } if alter.direction.is_some() => {
             return Err(format!("\"{name}\" is a point light, which has no direction"));
         }
@@ -181,6 +302,13 @@ fn place(name: &str, kind: &mut LightKind, alter: Alter) -> Result<(), String> {
             *position += alter.shift;
             *direction = alter.direction.unwrap_or(*direction);
         }
+        LightKind::Profiled { position, direction, upright, .. } => {
+            *position += alter.shift;
+            *direction = alter.direction.unwrap_or(*direction);
+            if alter.direction.is_some() || alter.turn_rad.is_some() {
+                *upright = turned(*direction, up, alter.turn_rad.unwrap_or(0.0));
+            }
+        }
         LightKind::Directional { direction, .. } => {
             *direction = alter.direction.unwrap_or(*direction);
         }
@@ -188,12 +316,44 @@ fn place(name: &str, kind: &mut LightKind, alter: Alter) -> Result<(), String> {
     Ok(())
 }
 
+/// The lamp `kind` with a profile; one that had no direction is aimed straight down.
+fn profiled(
+    name: &str,
+    kind: &LightKind,
+    profile: &LightProfile,
+    up: UpAxis,
+) -> Result<LightKind, String> {
+    let Some(Reach { position, .. }) = kind.reach() else {
+        return Err(format!(
+            "\"{name}\" shines from infinitely far away, where no lamp with a profile is"
+        ));
+    };
+    let direction = match *kind {
+        LightKind::Spot { direction, .. } | LightKind::Profiled { direction, .. } => direction,
+        _ => -up.unit(),
+    };
+    let upright = match *kind {
+        LightKind::Profiled { upright, .. } => upright,
+        _ => turned(direction, up, 0.0),
+    };
+    let (intensity, profile) = (kind.strength(), profile.clone());
+    Ok(LightKind::Profiled { position, direction, upright, intensity, profile })
+}
+
+/// The horizontal angle 0 of a profile with the axis `direction`, turned about it.
+fn turned(direction: Vec3, up: UpAxis, turn_rad: f32) -> Vec3 {
+    Quat::from_axis_angle(-direction, turn_rad) * LightKind::upright(direction, up.unit())
+}
+
 /// The light `new`, moved by `place`.
 fn moved(mut new: NewLight, place: Vec3) -> NewLight {
     match &mut new {
         NewLight::Punctual(
-            LightKind::Point { position, .. } | LightKind::Spot { position, .. },
+            LightKind::Point { position, .. }
+            | LightKind::Spot { position, .. }
+            | LightKind::Profiled { position, .. },
         )
+        | NewLight::Profiled { position, .. }
         | NewLight::Area { centre: position, .. }
         | NewLight::Sphere { centre: position, .. } => *position += place,
         NewLight::Punctual(LightKind::Directional { .. }) => {}
@@ -210,6 +370,13 @@ fn add(name: &str, new: NewLight, stage: &mut Stage<'_>) -> Result<(), String> {
     }
     let (mesh, emission) = match new {
         NewLight::Punctual(kind) => {
+            scene.lights.push(Light { name: name.to_owned(), kind });
+            return Ok(());
+        }
+        NewLight::Profiled { position, direction, turn_rad, intensity, profile } => {
+            let direction = direction.unwrap_or(-scene.up.unit());
+            let upright = turned(direction, scene.up, turn_rad);
+            let kind = LightKind::Profiled { position, direction, upright, intensity, profile };
             scene.lights.push(Light { name: name.to_owned(), kind });
             return Ok(());
         }

@@ -6,10 +6,13 @@
 /// (W sr^-1), an irradiance (W m^-2) or a reflectance (0 to 1).
 pub type Rgb = glam::Vec3;
 
+/// The luminances of the three primaries [ITU-R BT.709]. They define the channels: with others whites would not be grey.
+pub const LUMINANCE: Rgb = Rgb::new(0.2126, 0.7152, 0.0722);
+
 /// Luminance of linear RGB by the Rec. 709 weights; the weights sum to one.
 #[inline]
 pub fn luminance(rgb: Rgb) -> f32 {
-    rgb.dot(Rgb::new(0.2126, 0.7152, 0.0722))
+    rgb.dot(LUMINANCE)
 }
 
 /// One linear channel from its sRGB-encoded value, both in 0 to 1.

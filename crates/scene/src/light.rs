@@ -1,11 +1,12 @@
-//! Punctual lights, those of glTF's `KHR_lights_punctual`.
+//! Punctual lights, those of glTF's `KHR_lights_punctual` and `EXT_lights_ies`.
 //!
 //! Area lights are groups whose `emission` is not zero.
 //! glTF counts these lights in candela and lux; the numbers are taken as radiometric, per channel.
 
-use crate::{Environment, Rgb, Scene};
+use crate::{Environment, LightProfile, Rgb, Scene};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
 
 /// A point, spot or directional light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,7 +18,7 @@ pub struct Light {
 }
 
 /// The kinds of punctual lights.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum LightKind {
     /// Isotropic emission from a point.
     Point {
@@ -46,6 +47,30 @@ pub enum LightKind {
         /// Irradiance on a surface that faces it, W m^-2 per channel.
         irradiance: Rgb,
     },
+    /// Emission from a point by a photometric profile.
+    Profiled {
+        /// Position, metres.
+        position: Vec3,
+        /// Unit vector along the profile's axis: where its lamp is aimed.
+        direction: Vec3,
+        /// Unit vector at right angles to the axis: the horizontal angle 0 of type C, upwards of types A and B.
+        upright: Vec3,
+        /// Radiant intensity where the profile has its greatest, W sr^-1 per channel.
+        intensity: Rgb,
+        /// The intensity by direction.
+        profile: LightProfile,
+    },
+}
+
+/// Where the light of a lamp without a surface comes from, and into which cone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// The lamp's place, metres.
+    pub position: Vec3,
+    /// The axis of the cone, a unit vector; zero if light goes in all directions.
+    pub axis: Vec3,
+    /// Half the cone's angle, radians; pi if light goes in all directions.
+    pub angle_rad: f32,
 }
 
 /// A named light source: an area light or a punctual light.
@@ -61,6 +86,13 @@ pub struct Source<'a> {
     /// irradiance of directional ones, mean radiance of the environment.
     pub strength: Rgb,
 }
+
+/// The luminous efficacy of projects and of Blender's files, lm/W: that in the definition of the candela, of monochromatic
+/// light at 540 THz. It is a definition: half and double of it would read lights twice and half as bright.
+pub const LUMENS_PER_WATT: f64 = 683.0;
+
+/// The least width of a spot's rim, in cosines. At half of it rounding shows in the rim, with double sharp spots blur.
+const RIM: f32 = 1e-3;
 
 /// The name of the environment among the sources.
 pub const ENVIRONMENT: &str = "environment";
@@ -116,7 +148,9 @@ impl LightKind {
     /// Its strength: radiant intensity, or irradiance of directional lights.
     pub fn strength(&self) -> Rgb {
         match *self {
-            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Point { intensity, .. }
+            | Self::Spot { intensity, .. }
+            | Self::Profiled { intensity, .. } => intensity,
             Self::Directional { irradiance, .. } => irradiance,
         }
     }
@@ -124,9 +158,60 @@ impl LightKind {
     /// [`LightKind::strength`] by mutable reference.
     pub fn strength_mut(&mut self) -> &mut Rgb {
         match self {
-            Self::Point { intensity, .. } | Self::Spot { intensity, .. } => intensity,
+            Self::Point { intensity, .. }
+            | Self::Spot { intensity, .. }
+            | Self::Profiled { intensity, .. } => intensity,
             Self::Directional { irradiance, .. } => irradiance,
         }
+    }
+
+    /// Its flux over its strength, steradians: of a spot, the integral of its fall-off. None for directional lights,
+    /// whose light has no end.
+    pub fn steradians(&self) -> Option<f64> {
+        match self {
+            Self::Point { .. } => Some(4.0 * PI),
+            Self::Spot { inner_rad, outer_rad, .. } => {
+                let [inner, outer] = [inner_rad, outer_rad].map(|angle| f64::from(*angle).cos());
+                let width = (inner - outer).max(RIM.into());
+                // The square of a line has a third of its width's integral.
+                Some(2.0 * PI * (1.0 - outer - width * (2.0 / 3.0)))
+            }
+            Self::Directional { .. } => None,
+            Self::Profiled { profile, .. } => Some(profile.steradians()),
+        }
+    }
+
+    /// Where its light comes from; none for directional lights.
+    pub fn reach(&self) -> Option<Reach> {
+        let everywhere = |position| Reach { position, axis: Vec3::ZERO, angle_rad: PI as f32 };
+        match *self {
+            Self::Point { position, .. } => Some(everywhere(position)),
+            Self::Spot { position, direction: axis, outer_rad: angle_rad, .. } => {
+                Some(Reach { position, axis, angle_rad })
+            }
+            Self::Directional { .. } => None,
+            Self::Profiled { position, direction: axis, ref profile, .. } => {
+                let angle_rad = profile.reach_rad();
+                let is_cone = angle_rad < PI as f32;
+                Some(if is_cone {
+                    Reach { position, axis, angle_rad }
+                } else {
+                    everywhere(position)
+                })
+            }
+        }
+    }
+
+    /// The horizontal angle 0 of a profile whose lamp is aimed along `direction`, a unit vector, in a world of which `up`
+    /// points upwards: as far upwards as possible, or +x where the lamp is aimed straight up or down.
+    pub fn upright(direction: Vec3, up: Vec3) -> Vec3 {
+        /// The sine between the axis and the vertical below which rounding decides where upwards is: 0.06 degrees. At half
+        /// of it rounded directions still count, with double, none that anybody states.
+        const VERTICAL: f32 = 1e-3;
+        let across = up - direction * up.dot(direction);
+        let across = if across.length() < VERTICAL { Vec3::X } else { across };
+        (across - direction * across.dot(direction))
+            .normalize_or(direction.any_orthonormal_vector())
     }
 
     /// The unit vector from `point` to the light, the distance (infinite for directional lights)
@@ -139,6 +224,12 @@ impl LightKind {
                 (wi, distance, irradiance * spot_falloff(-wi.dot(direction), inner_rad, outer_rad))
             }
             Self::Directional { direction, irradiance } => (-direction, f32::INFINITY, irradiance),
+            Self::Profiled { position, direction, upright, intensity, ref profile } => {
+                let (wi, distance, irradiance) = from_position(point, position, intensity);
+                let aside = upright.cross(direction);
+                let towards = [upright, aside, direction].map(|axis| -wi.dot(axis));
+                (wi, distance, irradiance * profile.relative(towards))
+            }
         }
     }
 }
@@ -154,10 +245,12 @@ fn from_position(point: Vec3, position: Vec3, intensity: Rgb) -> (Vec3, f32, Rgb
 /// (the formula recommended by `KHR_lights_punctual`).
 fn spot_falloff(cos_angle: f32, inner_rad: f32, outer_rad: f32) -> f32 {
     let (cos_inner, cos_outer) = (inner_rad.cos(), outer_rad.cos());
-    let linear = ((cos_angle - cos_outer) / (cos_inner - cos_outer).max(1e-3)).clamp(0.0, 1.0);
+    let linear = ((cos_angle - cos_outer) / (cos_inner - cos_outer).max(RIM)).clamp(0.0, 1.0);
     linear * linear
 }
 
+#[cfg(test)]
+mod profiled;
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -303,6 +303,9 @@ fn check_light(light: &Light) -> Result<(), SceneError> {
             position.is_finite() && direction.is_finite() && angles_are_finite
         }
         LightKind::Directional { direction, .. } => direction.is_finite(),
+        LightKind::Profiled { position, direction, upright, .. } => {
+            position.is_finite() && direction.is_finite() && upright.is_finite()
+        }
     };
     let quantities = [
         ("its position, direction or angle", is_placed),

@@ -1,8 +1,8 @@
 //! The command line: global flags, the subcommands, and the handling of errors.
 
 use crate::commands::{
-    calibrate, check, completions, export, farm, init, man, merge, merge_exposures, plan, recover,
-    relight, render, report, restage, score, split, view,
+    calibrate, check, completions, export, farm, fit_brdf, init, man, merge, merge_exposures, plan,
+    recover, relight, render, report, restage, score, split, view,
 };
 pub use crate::global::Global;
 use crate::listener::{Console, Listener};
@@ -40,6 +40,7 @@ enum Command {
     Merge(merge::Args),
     Relight(relight::Args),
     MergeExposures(merge_exposures::Args),
+    FitBrdf(fit_brdf::Args),
     Farm(farm::Args),
     Plan(plan::Args),
     Restage(restage::Args),
@@ -196,6 +197,7 @@ fn dispatch(cli: &Cli) -> Result<ExitCode, Error> {
         Command::Merge(args) => merge::run(args, &cli.global),
         Command::Relight(args) => relight::run(args, &cli.global),
         Command::MergeExposures(args) => merge_exposures::run(args, &cli.global),
+        Command::FitBrdf(args) => fit_brdf::run(args, &cli.global),
         Command::Farm(args) => farm::run(args, &cli.global),
         Command::Restage(args) => restage::run(args, &cli.global),
         Command::Score(args) => score::run(args, &cli.global),

@@ -87,7 +87,7 @@ impl Job {
         warnings.extend(project.light(&mut scene)?);
         project.check_against(&scene)?;
         warnings.extend(project.settle_scale(&scene)?);
-        settle_brdf(&project, &mut scene)?;
+        warnings.extend(settle_brdf(&project, &mut scene)?);
         warnings.extend(validate(&mut scene, &project.scene)?);
         set_ignored_apart(&project, &mut scene);
         let own_groups = same_as::merge(&project, &mut scene);
@@ -160,7 +160,8 @@ fn set_ignored_apart(project: &Project, scene: &mut Scene) {
 }
 
 /// Gives the scene the BRDF model of the project, if that states one, and known groups their materials.
-fn settle_brdf(project: &Project, scene: &mut Scene) -> Result<(), Error> {
+fn settle_brdf(project: &Project, scene: &mut Scene) -> Result<Warnings, Error> {
+    let mut warnings = Warnings::default();
     scene.brdf = project.brdf.unwrap_or(scene.brdf).with_layering(project.layering);
     if !scene.brdf.is_principled() {
         scene.free();
@@ -168,14 +169,17 @@ fn settle_brdf(project: &Project, scene: &mut Scene) -> Result<(), Error> {
         scene.layer(layering);
     }
     for (name, known) in &project.known {
-        if let Some(index) = scene.group_index(name) {
+        let Some(index) = scene.group_index(name) else { continue };
+        if let Some(file) = &known.file {
+            warnings.extend(file.apply(scene, index, project.limits)?);
+        } else {
             let material = known.material(scene.brdf).map_err(|problem| {
                 FileError::new(&project.path, format!("groups.{name}.known: {problem}"))
             })?;
             scene.groups[index].material = material;
         }
     }
-    Ok(())
+    Ok(warnings)
 }
 
 /// The photograph of `project` with its camera in `scene`; `picture` is read already, `mask` if it was given in

@@ -139,6 +139,8 @@ pub mod lighting;
 pub mod listener;
 mod mask;
 #[cfg(feature = "cli")]
+pub mod measured;
+#[cfg(feature = "cli")]
 mod output;
 #[cfg(feature = "cli")]
 mod own_project;

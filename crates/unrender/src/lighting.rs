@@ -8,9 +8,11 @@ use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use unrender_formats::Input;
-use unrender_formats::{FileError, Limits, picture};
-use unrender_restage::light::{Alter, LightChange, LightEdit, NewLight};
-use unrender_scene::{Environment, LightKind, Rgb, RgbImage, Warnings};
+use unrender_formats::{FileError, Limits, ies, picture};
+use unrender_restage::light::{
+    Alter, LightChange, LightEdit, NewLight, Photometric, PhotometricUnit,
+};
+use unrender_scene::{Environment, LightKind, LightProfile, Rgb, RgbImage, Warnings};
 
 /// Columns and rows of an unknown environment: 45 degrees per part, as fine as diffuse surfaces can show
 /// [Ramamoorthi and Hanrahan 2001]. At half of it, light from a window comes from a quarter of the sphere; double
@@ -45,6 +47,13 @@ pub(crate) struct RawLight {
     radius: Option<Positive>,
     inner_deg: Option<NotNegative>,
     outer_deg: Option<NotNegative>,
+    /// The IES file that the lamp shines by.
+    pub(crate) profile: Option<PathBuf>,
+    /// Rotation about the axis of its profile.
+    turn_deg: Option<Finite>,
+    lumens: Option<Positive>,
+    candela: Option<Positive>,
+    lux: Option<Positive>,
 }
 
 /// The kinds of lights that can be added.
@@ -116,24 +125,72 @@ pub enum EnvironmentChoice {
 }
 
 impl RawLight {
-    /// The edit of the scene by this entry.
+    /// The edit of the scene by this entry, its profile read; `place` makes a path absolute. Warnings go to `warnings`.
     ///
     /// # Errors
-    /// If its keys do not go together; the message is without the place.
-    pub(crate) fn edit(&self) -> Result<LightEdit, String> {
+    /// If its keys do not go together, or its profile cannot be read; the message is without the place.
+    pub(crate) fn edit(
+        &self,
+        place: &dyn Fn(&Path) -> PathBuf,
+        limits: Limits,
+        warnings: &mut Warnings,
+    ) -> Result<LightEdit, String> {
+        let profile = self.profile.as_ref().map(|file| {
+            let (profile, told) =
+                ies::read(Input::new(&place(file), limits)).map_err(|e| e.to_string())?;
+            let name = &self.name;
+            told.0.into_iter().for_each(|told| warnings.push(format!("light \"{name}\": {told}")));
+            Ok::<_, String>(profile)
+        });
+        let profile = profile.transpose()?;
+        let photometric = self.photometric(profile.as_ref())?;
         let change = match (self.add, self.remove) {
             (Some(kind), false) => LightChange::Add(
-                self.new_light(kind)?,
+                self.new_light(kind, profile)?,
                 self.position.map_or(DVec3::ZERO, |at| at.0),
             ),
             (None, true) => LightChange::Remove,
             (Some(_), true) => return Err("a light is added or removed, not both".into()),
-            (None, false) => LightChange::Alter(self.alter()?),
+            (None, false) => LightChange::Alter(self.alter(profile)?),
         };
-        Ok(LightEdit { name: self.name.clone(), change })
+        Ok(LightEdit { name: self.name.clone(), change, photometric })
     }
 
-    fn alter(&self) -> Result<Alter, String> {
+    /// Whether its brightness is stated in photometric units, of which its strength follows.
+    pub(crate) fn is_photometric(&self) -> bool {
+        let units = [self.lumens, self.candela, self.lux];
+        self.strength.is_none() && (units.iter().any(Option::is_some) || self.profile.is_some())
+    }
+
+    /// Its brightness in photometric units: as stated, or else that of its profile.
+    fn photometric(&self, profile: Option<&LightProfile>) -> Result<Option<Photometric>, String> {
+        let units = [
+            (PhotometricUnit::Lumens, self.lumens),
+            (PhotometricUnit::Candela, self.candela),
+            (PhotometricUnit::Lux, self.lux),
+        ];
+        let stated =
+            units.into_iter().filter_map(|(unit, value)| Some((unit, f64::from(value?.0))));
+        let mut stated: Vec<(PhotometricUnit, f64)> = stated.collect();
+        if stated.len() + usize::from(self.strength.is_some()) > 1 {
+            return Err("give one of strength, lumens, candela and lux".into());
+        }
+        let is_dark = self.remove || self.on == Some(false);
+        if is_dark && (!stated.is_empty() || profile.is_some()) {
+            return Err(
+                "a light that is off or removed has no brightness and no profile; leave them out"
+                    .into(),
+            );
+        }
+        if stated.is_empty() && self.strength.is_none() {
+            stated
+                .extend(profile.map(|profile| (PhotometricUnit::Candela, profile.peak_candela())));
+        }
+        let scale = self.factor();
+        Ok(stated.pop().map(|(unit, value)| Photometric { unit, value, scale }))
+    }
+
+    fn alter(&self, profile: Option<LightProfile>) -> Result<Alter, String> {
         if self.position.is_some() {
             return Err(
                 "move = [x, y, z] moves an existing light by this vector; to add one, state \
@@ -151,11 +208,15 @@ impl RawLight {
         if is_off && (self.scale.is_some() || self.strength.is_some()) {
             return Err("a light that is off has no scale and no strength; leave them out".into());
         }
+        let color = self.color.filter(|_| self.is_photometric()).map(|color| color.0);
+        let scale = if self.is_photometric() { Rgb::ONE } else { self.factor() };
         Ok(Alter {
-            scale: if is_off { Rgb::ZERO } else { self.factor() },
-            strength: self.strength.map(|strength| strength.0),
+            scale: if is_off { Rgb::ZERO } else { scale },
+            strength: self.strength.map(|strength| strength.0).or(color),
             shift: self.shift.map_or(Vec3::ZERO, |shift| shift.0),
             direction: self.direction.map(|direction| direction.0),
+            profile,
+            turn_rad: self.turn_deg.map(|angle| angle.0.to_radians()),
         })
     }
 
@@ -164,9 +225,15 @@ impl RawLight {
     }
 
     /// The light, at zero: its place is known in double precision.
-    fn new_light(&self, kind: Kind) -> Result<NewLight, String> {
-        let strength = self.strength.ok_or("a light that is added needs a strength")?.0;
-        let strength = strength * self.factor();
+    fn new_light(&self, kind: Kind, profile: Option<LightProfile>) -> Result<NewLight, String> {
+        let strength = if self.is_photometric() {
+            self.color.map_or(Rgb::ONE, |color| color.0)
+        } else {
+            let stated = self.strength.ok_or(
+                "a light that is added needs a strength, or its lumens, candela, lux or a profile",
+            )?;
+            stated.0 * self.factor()
+        };
         if !strength.is_finite() {
             return Err("strength times scale is not a finite number".into());
         }
@@ -179,6 +246,15 @@ impl RawLight {
         }
         if self.on.is_some() {
             return Err("a light that is added is on; on is for existing lights".into());
+        }
+        if let Some(profile) = profile {
+            return self.new_profiled(kind, strength, profile);
+        }
+        if self.turn_deg.is_some() {
+            return Err(
+                "turn_deg turns a lamp about the axis of its profile; give profile = \"lamp.ies\""
+                    .into(),
+            );
         }
         Ok(match kind {
             Kind::Point => {
@@ -211,6 +287,32 @@ impl RawLight {
                 let radius = self.radius.ok_or("a sphere needs its radius = 0.05")?.0;
                 NewLight::Sphere { centre: position?, radius, radiance: strength }
             }
+        })
+    }
+
+    /// A lamp with a profile, at zero.
+    fn new_profiled(
+        &self,
+        kind: Kind,
+        intensity: Rgb,
+        profile: LightProfile,
+    ) -> Result<NewLight, String> {
+        if kind != Kind::Point || self.inner_deg.is_some() || self.outer_deg.is_some() {
+            return Err(
+                "a lamp with a profile is added as a point: add = \"point\"; direction aims it, and its cone is that of \
+                 the profile"
+                    .into(),
+            );
+        }
+        if self.position.is_none() {
+            return Err("a light that is added needs a position".into());
+        }
+        Ok(NewLight::Profiled {
+            position: Vec3::ZERO,
+            direction: self.direction.map(|direction| direction.0),
+            turn_rad: self.turn_deg.map_or(0.0, |angle| angle.0.to_radians()),
+            intensity,
+            profile,
         })
     }
 

@@ -75,7 +75,7 @@ impl Reading {
         brightest.map_or(String::new(), |light| {
             let unit = match light.kind {
                 LightKind::Directional { .. } => "W/m^2",
-                LightKind::Point { .. } | LightKind::Spot { .. } => "W",
+                _ => "W",
             };
             let name = &light.name;
             let [now, then] = [power(light), power(light) * self.factor(light)].map(short);
@@ -88,7 +88,7 @@ impl Reading {
         let is_lamp = |light: &Light, factor: f64| {
             let [least, most] = match light.kind {
                 LightKind::Directional { .. } => SUNS,
-                LightKind::Point { .. } | LightKind::Spot { .. } => WATTS,
+                _ => WATTS,
             };
             (least..=most).contains(&(power(light) * factor))
         };
@@ -112,10 +112,11 @@ impl Reading {
 /// The watts of a lamp; for a sun, per square metre.
 fn power(light: &Light) -> f64 {
     let strength = f64::from(light.kind.strength().element_sum()) / 3.0;
-    match light.kind {
+    match &light.kind {
         LightKind::Directional { .. } => strength,
         // As Blender counts them: a spot's watts are those of the whole bulb.
         LightKind::Point { .. } | LightKind::Spot { .. } => 4.0 * PI * strength,
+        LightKind::Profiled { profile, .. } => profile.steradians() * strength,
     }
 }
 

@@ -134,6 +134,10 @@ fn lamp_moved(world: &mut World, random: &mut Random) {
             LightKind::Point { position, .. } => *position = to,
             LightKind::Spot { position, direction, .. } => (*position, *direction) = (to, direct),
             LightKind::Directional { direction, .. } => *direction = direct,
+            LightKind::Profiled { position, direction, upright, .. } => {
+                (*position, *direction) = (to, direct);
+                *upright = LightKind::upright(direct, Vec3::Y);
+            }
         }
     } else if let Some(group) = some_lamp(world, random) {
         let turn = if random.once_in(2) { turn } else { Quat::IDENTITY };
@@ -343,6 +347,10 @@ fn transform(world: &mut World, moved: Affine3A) {
                 *direction = turned(*direction);
             }
             LightKind::Directional { direction, .. } => *direction = turned(*direction),
+            LightKind::Profiled { position, direction, upright, .. } => {
+                *position = moved.transform_point3(*position);
+                (*direction, *upright) = (turned(*direction), turned(*upright));
+            }
         }
     }
     for camera in &mut scene.cameras {

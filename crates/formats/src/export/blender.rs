@@ -12,17 +12,17 @@
 mod detail;
 
 use super::environment::{self, Around};
-use super::identifiers::Ids;
-use super::{Files, SceneView, far, ply, tiling};
+use super::identifiers::{Ids, identifiers};
+use super::{Files, SceneView, far, ply, profiles, tiling};
 use crate::glasses::Glasses;
-use crate::group_detail;
 use crate::near;
 use crate::numbers::{number, triple};
 use crate::texels;
+use crate::{group_detail, ies};
 use glam::Mat4;
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_2;
-use unrender_scene::{Camera, LightKind, Material, Reflectance, Rgb, Scene, Warnings};
+use unrender_scene::{Camera, Light, LightKind, Material, Reflectance, Rgb, Scene, Warnings};
 
 /// The program that builds the scene.
 const SCRIPT: &str = include_str!("blender/scene.py");
@@ -73,8 +73,15 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
             shot.camera.name, shot.camera.lens.fx_over_fy
         ));
     }
+    let lamps = identifiers("l_", shot.scene.lights.iter().map(|light| light.name.as_str()));
+    for (light, id) in shot.scene.lights.iter().zip(&lamps) {
+        if let LightKind::Profiled { profile, .. } = &light.kind {
+            let text = ies::text(&profiles::in_small_steps(profile), &light.name);
+            files.push((format!("profiles/{id}.ies"), text.into_bytes()));
+        }
+    }
     let lights: Vec<Value> =
-        shot.scene.lights.iter().map(|light| light_json(&light.name, &light.kind)).collect();
+        shot.scene.lights.iter().zip(&lamps).map(|(light, id)| light_json(light, id)).collect();
     let around = around(shot, &mut files)?;
     let others = shot.scene.cameras.iter().filter(|other| other.name != shot.camera.name);
     let cameras: Vec<Value> =
@@ -206,7 +213,8 @@ fn camera(scene: &Scene, camera: &Camera) -> Value {
     })
 }
 
-fn light_json(name: &str, kind: &LightKind) -> Value {
+fn light_json(light: &Light, id: &str) -> Value {
+    let Light { name, kind } = light;
     let strength = triple(kind.strength());
     match *kind {
         LightKind::Point { position, .. } => {
@@ -223,6 +231,16 @@ fn light_json(name: &str, kind: &LightKind) -> Value {
             "direction": triple(direction),
             "cos_inner": number(inner_rad.cos()),
             "cos_outer": number(outer_rad.cos()),
+        }),
+        LightKind::Profiled { position, direction, upright, ref profile, .. } => json!({
+            "name": name,
+            "kind": "profiled",
+            "strength": strength,
+            "position": triple(position),
+            "direction": triple(direction),
+            "upright": triple(upright),
+            "profile": format!("profiles/{id}.ies"),
+            "candela": profile.peak_candela(),
         }),
     }
 }

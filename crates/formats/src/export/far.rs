@@ -6,6 +6,9 @@ use unrender_scene::{Scene, Warnings};
 pub(super) const WRITTEN_THERE: &str =
     "it was written where it is; render it with a variant in double precision, or move it";
 
+/// For files whose root moves it to its place.
+pub(super) const WRITTEN_BY_ROOT: &str = "it was written with that point at zero, and the transform of the root prim moves it; clear that to look at it closely";
+
 /// For files that move it to zero.
 pub(super) const WRITTEN_NEARER: &str = "it was written with that point at zero";
 

@@ -22,6 +22,31 @@ pub(super) fn write_folder(path: &Path, files: &Files) -> Result<(), FileError> 
     written.map_err(|error| FileError::new(path, format!("cannot be written: {error}")))
 }
 
+/// Writes `bytes` as the file `path`, and `others`, which all are in one folder, as that folder beside it. The folder comes
+/// first, so that the file never lacks what it names.
+///
+/// # Errors
+/// If that folder is there already and is not empty, or if one of them cannot be written; nothing is left behind then.
+pub(super) fn write_beside(
+    path: &Path,
+    bytes: &[u8],
+    others: &[(String, Vec<u8>)],
+) -> Result<(), FileError> {
+    let split = |(name, bytes): &(String, Vec<u8>)| {
+        let (folder, name) = name.split_once('/')?;
+        Some((folder.to_owned(), (name.to_owned(), bytes.clone())))
+    };
+    let (folders, inside): (Vec<String>, Files) = others.iter().filter_map(split).unzip();
+    let folder = folders.first().map(|name| atomic::folder_of(path).join(name));
+    if let Some(folder) = &folder {
+        write_folder(folder, &inside)?;
+    }
+    atomic::write(path, bytes).inspect_err(|_| {
+        // What was made above is not left behind.
+        let _ = folder.map(fs::remove_dir_all);
+    })
+}
+
 /// Checks that a folder of results could be called `path`.
 ///
 /// # Errors

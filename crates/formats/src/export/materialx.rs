@@ -1,22 +1,20 @@
 //! MaterialX: the materials as `standard_surface`, and which objects have them. It has no words for
 //! geometry, lights and camera.
 //!
-//! A surface without a diffuse part is a metal of colour `rho_s`; else a dielectric of colour `rho_d`
-//! whose ior is the least (from 1.5 on) that reaches `rho_s` at normal incidence, with `rho_s` over
-//! that as its specular colour. Both reflect more towards grazing angles than Ward's lobe.
-//! `alpha = roughness^2`; an anisotropy `a` has the aspect `sqrt(1 - a)`, `alpha_x = alpha/aspect`,
-//! `alpha_y = alpha aspect`, x turned by `specular_rotation` turns from the tangent.
+//! The layers are those of `layered.rs`. `alpha = roughness^2`; an anisotropy `a` has the aspect `sqrt(1 - a)`, `alpha_x =
+//! alpha/aspect`, `alpha_y = alpha aspect`, x turned by `specular_rotation` turns from the tangent.
+//! What it cannot say stands in a comment in front of each shader, from which our own reader takes the exact numbers.
 //! [MaterialX specification 1.39; Autodesk Standard Surface, sections 4 and 5]
 
 use super::identifiers::{Ids, quoted};
+use super::layered::{Layered, Transmission, strength_and_color};
 use super::{Files, SceneView, maps};
 use crate::glasses::Glasses;
 use crate::group_detail;
+use crate::record::group_note;
 use crate::texels;
-use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::f32::consts::TAU;
 use unrender_scene::{Detail, Glass, Material, Rgb, Warnings, Wrap};
-
-const GLASS_F0: f32 = 0.04;
 
 /// What is left out of glass that is coloured in both ways.
 const TINT_LEFT_OUT: &str = "MaterialX has one transmission colour: of solid glass that absorbs on the way and is tinted at its \
@@ -45,12 +43,13 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
         let found = group_detail::of_group(shot.scene, index);
         let more = detail(&found, id, &mut text, &mut files)?;
         let inputs = inputs(material, group.emission, id) + &more;
+        text.push_str(&comment(&group_note(group, shot.scene.brdf)));
         text.push_str(&surface(id, &group.name, &inputs));
     }
     let mut warnings = Warnings::default();
     for (kind, id) in glasses.kinds.iter().zip(&ids.kinds) {
         text.push_str(&surface(id, &kind.name, &glass(kind.glass)));
-        if kind.glass.tint != Rgb::ONE && absorbs(kind.glass) {
+        if Transmission::of(kind.glass).lacks_tint {
             warnings.push(TINT_LEFT_OUT);
         }
     }
@@ -65,6 +64,11 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     text.push_str("  </look>\n</materialx>\n");
     files.push(("materials.mtlx".into(), text.into_bytes()));
     Ok((files, warnings))
+}
+
+/// A comment of `text`, without what ends one.
+fn comment(text: &str) -> String {
+    format!("  <!-- {} -->\n", text.replace("--", "\\u002d\\u002d"))
 }
 
 /// The surface and the material called `id`, after `name`.
@@ -121,20 +125,9 @@ fn detail(
     Ok(inputs)
 }
 
-/// Whether solid glass takes something from light on its way.
-fn absorbs(glass: &Glass) -> bool {
-    !glass.is_thin && glass.absorption.max_element() > 0.0
-}
-
-/// The inputs of glass. Its transmission colour is that of a face; or, with a depth, what is left of light after that
-/// way, here that on which the strongest channel falls to 1/e.
+/// The inputs of glass.
 fn glass(glass: &Glass) -> String {
-    let strongest = glass.absorption.max_element();
-    let (color, depth) = if absorbs(glass) {
-        ((-glass.absorption / strongest).exp(), 1.0 / strongest)
-    } else {
-        (glass.tint, 0.0)
-    };
+    let Transmission { color, depth, .. } = Transmission::of(glass);
     let mut text = float("base", 0.0);
     text.push_str(&float("specular", 1.0));
     text.push_str(&float("specular_IOR", glass.ior));
@@ -150,33 +143,23 @@ fn glass(glass: &Glass) -> String {
 }
 
 fn inputs(material: &Material, emission: Rgb, id: &str) -> String {
-    let is_metal = material.texture.is_none() && material.rho_d.max_element() <= 0.0;
-    let highest = material.rho_s.max_element();
-    let shines = highest > 0.0;
-    let is_metal = is_metal && shines;
-    let base = if is_metal { material.rho_s } else { material.rho_d };
-    let f0 = highest.clamp(GLASS_F0, 0.98);
-    let tint = if is_metal { Rgb::ONE } else { (material.rho_s / f0).min(Rgb::ONE) };
-    let (x, y) = (material.alpha_x, material.alpha_y);
-    let (smooth, rough) = (x.min(y), x.max(y));
-    let aspect2 = if rough > 0.0 { smooth / rough } else { 1.0 };
-    let along_rough = material.theta_rad + if y > x { FRAC_PI_2 } else { 0.0 };
-    let strength = emission.max_element();
-    let color = if strength > 0.0 { emission / strength } else { Rgb::ONE };
+    let layered = Layered::of(material);
+    let (strength, color) = strength_and_color(emission);
+    let share = |is_there: bool| if is_there { 1.0 } else { 0.0 };
     let mut text = float("base", 1.0);
     text.push_str(&match material.texture {
         Some(_) => {
             format!("    <input name=\"base_color\" type=\"color3\" nodename=\"{id}_texture\"/>\n")
         }
-        None => color3("base_color", base),
+        None => color3("base_color", layered.base_color),
     });
-    text.push_str(&float("metalness", if is_metal { 1.0 } else { 0.0 }));
-    text.push_str(&float("specular", if shines { 1.0 } else { 0.0 }));
-    text.push_str(&color3("specular_color", if shines { tint } else { Rgb::ONE }));
-    text.push_str(&float("specular_IOR", (1.0 + f0.sqrt()) / (1.0 - f0.sqrt())));
-    text.push_str(&float("specular_roughness", (smooth * rough).sqrt().sqrt().min(1.0)));
-    text.push_str(&float("specular_anisotropy", 1.0 - aspect2));
-    text.push_str(&float("specular_rotation", along_rough.rem_euclid(PI) / TAU));
+    text.push_str(&float("metalness", share(layered.is_metal)));
+    text.push_str(&float("specular", share(layered.shines)));
+    text.push_str(&color3("specular_color", layered.specular_color));
+    text.push_str(&float("specular_IOR", layered.ior));
+    text.push_str(&float("specular_roughness", layered.mean_roughness()));
+    text.push_str(&float("specular_anisotropy", 1.0 - layered.aspect()));
+    text.push_str(&float("specular_rotation", layered.rougher_rad / TAU));
     text.push_str(&float("emission", strength));
     text.push_str(&color3("emission_color", color));
     text

@@ -69,7 +69,7 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
         let material = &ids.kinds[shape.kind];
         xml.push_str(&shape_text(&shape.name, &path, material, shot.scene.origin, ""));
     }
-    let (text, pictures) = lights::text(shot)?;
+    let (text, pictures) = lights::text(shot, &mut warnings)?;
     xml.push_str(&text);
     files.extend(pictures);
     xml.push_str("</scene>\n");

@@ -11,14 +11,17 @@ mod environment;
 mod far;
 mod folder;
 mod identifiers;
+mod layered;
 mod maps;
 mod materialx;
 mod mitsuba;
 mod obj;
 mod pbrt;
 mod ply;
+mod profiles;
 mod radiance;
 mod tiling;
+mod usd;
 
 pub use blender::BlenderInputs;
 
@@ -64,12 +67,21 @@ pub enum Target {
     Pbrt,
     /// Radiance.
     Radiance,
+    /// Universal Scene Description: text, binary or a package, by the ending of the file's name.
+    Usd,
 }
 
 impl Target {
     /// All targets, by name.
-    pub const ALL: [Self; 6] =
-        [Self::Blender, Self::Gltf, Self::Materialx, Self::Mitsuba, Self::Pbrt, Self::Radiance];
+    pub const ALL: [Self; 7] = [
+        Self::Blender,
+        Self::Gltf,
+        Self::Materialx,
+        Self::Mitsuba,
+        Self::Pbrt,
+        Self::Radiance,
+        Self::Usd,
+    ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
@@ -80,12 +92,25 @@ impl Target {
             Self::Mitsuba => "mitsuba",
             Self::Pbrt => "pbrt",
             Self::Radiance => "radiance",
+            Self::Usd => "usd",
         }
     }
 
-    /// The extension, if an export is one file and not a folder of files.
-    fn file_extension(self) -> Option<&'static str> {
-        (self == Self::Gltf).then_some("glb")
+    /// The extensions of which one ends the name of an export that is a file; none if it is a folder of files.
+    fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Gltf => &["glb"],
+            Self::Usd => &usd::EXTENSIONS,
+            _ => &[],
+        }
+    }
+
+    /// A name that an export may have.
+    pub fn usual_name(self) -> String {
+        match self.extensions() {
+            [] => "scene".into(),
+            [first, ..] => format!("scene.{first}"),
+        }
     }
 
     /// What to do with an export at `path`, as a line for the user.
@@ -100,6 +125,7 @@ impl Target {
             Self::Gltf => format!("open {path} in any program that reads glTF 2.0"),
             Self::Mitsuba => format!("mitsuba {path}/scene.xml"),
             Self::Radiance => format!("sh {path}/render.sh picture.hdr"),
+            Self::Usd => format!("open {path} in any program that reads USD"),
         }
     }
 
@@ -116,7 +142,7 @@ impl Target {
     /// Whether an export holds the light from all around.
     pub fn has_environments(self) -> bool {
         match self {
-            Self::Blender | Self::Mitsuba | Self::Pbrt | Self::Radiance => true,
+            Self::Blender | Self::Mitsuba | Self::Pbrt | Self::Radiance | Self::Usd => true,
             Self::Gltf | Self::Materialx => false,
         }
     }
@@ -127,9 +153,9 @@ impl Target {
         match reflectance {
             Reflectance::Free => true,
             Reflectance::Dielectric { .. } => {
-                matches!(self, Self::Blender | Self::Gltf | Self::Mitsuba)
+                matches!(self, Self::Blender | Self::Gltf | Self::Mitsuba | Self::Usd)
             }
-            Reflectance::Metal { .. } => matches!(self, Self::Blender | Self::Gltf),
+            Reflectance::Metal { .. } => matches!(self, Self::Blender | Self::Gltf | Self::Usd),
         }
     }
 }
@@ -151,11 +177,11 @@ impl FromStr for Target {
     }
 }
 
-/// The files of `shot` for `target`, and what they cannot express.
+/// The files of `shot` for `target`, to be written as `path`, and what they cannot express.
 ///
 /// # Errors
-/// If the target cannot express the scene at all.
-pub fn export(shot: &SceneView, target: Target) -> Result<(Files, Warnings), String> {
+/// If the target cannot express the scene at all, or if `path` has none of its extensions.
+pub fn export(shot: &SceneView, target: Target, path: &Path) -> Result<(Files, Warnings), String> {
     let (files, mut warnings) = match target {
         Target::Blender => blender::export(shot),
         Target::Gltf => gltf(shot),
@@ -163,6 +189,7 @@ pub fn export(shot: &SceneView, target: Target) -> Result<(Files, Warnings), Str
         Target::Mitsuba => mitsuba::export(shot),
         Target::Pbrt => pbrt::export(shot),
         Target::Radiance => radiance::export(shot),
+        Target::Usd => usd::export(shot, path),
     }?;
     note_detail(shot.scene, &mut warnings);
     if !target.has_environments() {
@@ -218,24 +245,36 @@ pub fn check_path(path: &Path, target: Target) -> Result<(), FileError> {
     if let Some(parent) = parent.filter(|parent| !parent.is_dir()) {
         return Err(FileError::new(path, format!("there is no folder {}", parent.display())));
     }
-    if target.file_extension().is_some() && path.is_dir() {
+    if target.extensions().is_empty() {
+        return folder::check_folder(path);
+    }
+    if path.is_dir() {
         return Err(FileError::new(path, "is a folder; name a file"));
     }
-    let Some(wanted) = target.file_extension() else { return folder::check_folder(path) };
-    if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted)) {
-        return atomic::check(path);
+    let has = |wanted: &&str| path.extension().is_some_and(|own| own.eq_ignore_ascii_case(wanted));
+    if !target.extensions().iter().any(has) {
+        let wanted = target.extensions().join(" or .");
+        return Err(FileError::new(
+            path,
+            format!("is not called .{wanted}, as files for {target} are"),
+        ));
     }
-    Err(FileError::new(path, format!("is not called .{wanted}, as files for {target} are")))
+    if target == Target::Usd {
+        usd::check(path)?;
+    }
+    atomic::check(path)
 }
 
-/// Writes an export for `target` as `path`, whole or not at all: a file, or a folder that is not
-/// there yet.
+/// Writes an export for `target` as `path`, whole or not at all: a file, a file with a folder beside it, or a folder. The
+/// folder is not there yet.
 ///
 /// # Errors
 /// If `path` cannot be written; nothing is left behind then.
 pub fn write(path: &Path, target: Target, files: &Files) -> Result<(), FileError> {
-    match (target.file_extension(), files.as_slice()) {
-        (Some(_), [(_, bytes)]) => atomic::write(path, bytes),
-        _ => folder::write_folder(path, files),
+    match files.as_slice() {
+        _ if target.extensions().is_empty() => folder::write_folder(path, files),
+        [] => Ok(()),
+        [(_, bytes)] => atomic::write(path, bytes),
+        [(_, bytes), others @ ..] => folder::write_beside(path, bytes, others),
     }
 }

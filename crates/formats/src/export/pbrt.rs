@@ -12,7 +12,7 @@ mod square;
 
 use super::environment::{self, Around};
 use super::identifiers::{Ids, identifiers, quoted};
-use super::{Files, SceneView, far, maps, ply, tiling};
+use super::{Files, SceneView, far, maps, ply, profiles, tiling};
 use crate::glasses::Glasses;
 use crate::group_detail;
 use crate::texels;
@@ -41,7 +41,8 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     text.push_str(&glass::materials(&glasses, &ids.kinds, &mut warnings));
     let lights = identifiers("l_", shot.scene.lights.iter().map(|l| l.name.as_str()));
     for (light, id) in shot.scene.lights.iter().zip(&lights) {
-        let _ = writeln!(text, "\n# light {}\n{}", quoted(&light.name), light_source(&light.kind));
+        let kind = profiles::without(light, "PBRT", &mut warnings);
+        let _ = writeln!(text, "\n# light {}\n{}", quoted(&light.name), light_source(&kind));
         if matches!(light.kind, LightKind::Spot { .. }) {
             let name = &light.name;
             warnings
@@ -191,6 +192,8 @@ fn light_source(kind: &LightKind) -> String {
             point("from", Vec3::ZERO),
             point("to", direction)
         ),
+        // The caller has put a point in its place.
+        LightKind::Profiled { .. } => String::new(),
     }
 }
 

@@ -16,6 +16,7 @@ mod holes;
 mod lights;
 mod materials;
 mod pictures;
+mod profiles;
 mod view;
 
 use super::identifiers::{Ids, quoted};
@@ -76,7 +77,7 @@ pub(super) fn export(shot: &SceneView) -> Result<(Files, Warnings), String> {
     materials.note_doubts(&mut warnings);
     let mut scene = format!("# A scene for Radiance, written by unrender. {}\n", view::HOW);
     scene.push_str("!xform ./materials.rad\n");
-    scene.push_str(&lights::text(shot));
+    scene.push_str(&lights::text(shot, &mut files));
     scene.push_str(&around::text(shot, &mut files)?);
     scene.push_str(&surfaces);
     files.extend(materials.files(&glass::materials(&glasses, &ids.kinds, &mut warnings))?);

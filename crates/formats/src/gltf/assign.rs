@@ -2,10 +2,11 @@
 
 use super::Problem;
 use super::glb::Glb;
+use super::graph::placed_nodes;
 use super::names::group_names;
-use super::source::Source;
+use super::source::{Source, get};
 use super::ward::object;
-use super::{lights, material, place};
+use super::{lights, material, place, profiles, units};
 use crate::{FileError, Input, group_detail};
 use serde_json::{Value, json};
 use unrender_scene::{Camera, Rgb, Scene, Warnings};
@@ -50,11 +51,31 @@ fn with_materials(source: &Source, scene: &Scene, added: &[Camera]) -> Result<Ve
         }
         glb.root["materials"][index] = json;
     }
-    lights::assign_lights(&mut glb, source, scene)?;
+    assign_lights(&mut glb, source, scene)?;
     for camera in added {
         place::put(&mut glb, source, camera, scene.origin)?;
     }
     glb.finish()
+}
+
+/// Makes the lights in `glb` as bright as those of `scene`, which was read from `source`, in the
+/// file's own units.
+fn assign_lights(glb: &mut Glb, source: &Source, scene: &Scene) -> Result<(), Problem> {
+    let document = &source.document;
+    if source.light_units != units::of(&document.asset, None) {
+        units::note(&mut glb.root, source.light_units);
+    }
+    let mut wanted = scene.lights.iter();
+    for placed in placed_nodes(document)? {
+        let extensions = &get(&document.nodes, placed.node, "node")?.extensions;
+        if let Some(punctual) = &extensions.punctual {
+            lights::assign(glb, source, (&placed, punctual.light), &mut wanted)?;
+        }
+        if let Some(profiled) = &extensions.profiled {
+            profiles::assign(glb, source, (&placed, profiled), &mut wanted)?;
+        }
+    }
+    Ok(())
 }
 
 /// Gives primitives without a material one called `name`.

@@ -60,6 +60,8 @@ pub(super) struct Asset {
 pub(super) struct DocumentExtensions {
     #[serde(rename = "KHR_lights_punctual", default)]
     pub(super) punctual: Lights,
+    #[serde(rename = "EXT_lights_ies", default)]
+    pub(super) profiles: Profiles,
     #[serde(flatten)]
     pub(super) unread: Unread,
 }
@@ -84,6 +86,24 @@ pub(super) struct Light {
     pub(super) range: Option<f64>,
     #[serde(default)]
     pub(super) spot: Spot,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
+}
+
+#[derive(Deserialize, Default)]
+pub(super) struct Profiles {
+    #[serde(default)]
+    pub(super) lights: Vec<Profile>,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Profile {
+    pub(super) name: Option<String>,
+    pub(super) uri: Option<String>,
+    pub(super) buffer_view: Option<usize>,
     #[serde(flatten)]
     pub(super) unread: Unread,
 }
@@ -134,6 +154,8 @@ pub(super) struct Node {
 pub(super) struct NodeExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub(super) punctual: Option<NodeLight>,
+    #[serde(rename = "EXT_lights_ies")]
+    pub(super) profiled: Option<NodeProfile>,
     #[serde(rename = "KHR_node_visibility")]
     pub(super) visibility: Option<Visibility>,
     #[serde(flatten)]
@@ -151,6 +173,17 @@ pub(super) struct Visibility {
 #[derive(Deserialize)]
 pub(super) struct NodeLight {
     pub(super) light: usize,
+    #[serde(flatten)]
+    pub(super) unread: Unread,
+}
+
+#[derive(Deserialize)]
+pub(super) struct NodeProfile {
+    pub(super) light: usize,
+    #[serde(default = "one")]
+    pub(super) multiplier: f64,
+    #[serde(default = "white")]
+    pub(super) color: [f64; 3],
     #[serde(flatten)]
     pub(super) unread: Unread,
 }

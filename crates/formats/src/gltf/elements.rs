@@ -307,6 +307,25 @@ const ELEMENTS: &[Element] = &[
             read("outerConeAngle", "from Blender's files, the cone whose light is that of Cycles"),
         ],
     ),
+    element(
+        "lights",
+        "EXT_lights_ies",
+        &[
+            read("lights", "see profile"),
+            read("light", "of a node: its profile"),
+            read("multiplier", "a factor on the candelas"),
+            read("color", "linear sRGB"),
+        ],
+    ),
+    element(
+        "lights",
+        "profile",
+        &[
+            read("uri", "a file beside the scene, or its data"),
+            read("bufferView", "the bytes of an IES file"),
+            passed("mimeType", "what it is shows in the data"),
+        ],
+    ),
     element("nodes", "KHR_node_visibility", &[read("visible", "what is not visible is left out")]),
     element(
         "materials",
@@ -398,11 +417,13 @@ mod tests {
     use std::collections::BTreeSet;
 
     /// The structures of `document.rs`, each with the element that it is.
-    const STRUCTURES: [(&str, &str); 38] = [
+    const STRUCTURES: [(&str, &str); 41] = [
         ("Document", "file"),
         ("Asset", "asset"),
         ("DocumentExtensions", ""),
         ("Lights", "KHR_lights_punctual"),
+        ("Profiles", "EXT_lights_ies"),
+        ("Profile", "profile"),
         ("Light", "light"),
         ("Spot", "spot"),
         ("SceneNodes", "scenes"),
@@ -410,6 +431,7 @@ mod tests {
         ("NodeExtensions", ""),
         ("Visibility", "KHR_node_visibility"),
         ("NodeLight", "KHR_lights_punctual"),
+        ("NodeProfile", "EXT_lights_ies"),
         ("Mesh", "meshes"),
         ("Primitive", "primitives"),
         ("Attributes", ""),

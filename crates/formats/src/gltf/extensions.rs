@@ -12,6 +12,7 @@ const OTHER_PICTURE: &str = "of each texture the PNG or JPEG picture was taken, 
 /// warning.
 const EXTENSIONS: &[Entry] = &[
     read("KHR_lights_punctual", "see its properties"),
+    read("EXT_lights_ies", "see its properties"),
     read("KHR_materials_emissive_strength", "see its properties"),
     read("KHR_materials_ior", "see its properties"),
     read("KHR_materials_specular", "see its properties"),

@@ -8,6 +8,11 @@ use crate::texels;
 use serde_json::{Value, json};
 use unrender_scene::{Texture, Wrap};
 
+/// The extension of lamps by photometric profiles.
+pub(super) const PROFILES: &str = "EXT_lights_ies";
+/// The media type of their files.
+pub(super) const PROFILE_MIME: &str = "application/x-ies-lm-63";
+
 /// A glTF file in the making.
 pub(super) struct Glb {
     /// The JSON.
@@ -27,6 +32,7 @@ impl Glb {
         let mut glb = Self { root: source.json.clone(), bin: Vec::new() };
         embed_buffers(&mut glb, source);
         embed_images(&mut glb, source);
+        embed_profiles(&mut glb, source);
         glb
     }
 
@@ -39,6 +45,16 @@ impl Glb {
         list.as_array_mut().map_or(0, |items| {
             items.push(item);
             items.len() - 1
+        })
+    }
+
+    /// Appends `light` to the lights of the file's `extension` and returns its index.
+    pub(super) fn push_light(&mut self, extension: &str, light: Value) -> usize {
+        let extensions = object(&mut self.root).entry("extensions").or_insert_with(|| json!({}));
+        let lights = object(extensions).entry(extension).or_insert_with(|| json!({ "lights": [] }));
+        lights["lights"].as_array_mut().map_or(0, |lights| {
+            lights.push(light);
+            lights.len() - 1
         })
     }
 
@@ -122,6 +138,21 @@ fn embed_images(glb: &mut Glb, source: &Source) {
             let kind = if is_jpeg { "image/jpeg" } else { "image/png" };
             json.insert("mimeType".into(), json!(kind));
         }
+    }
+}
+
+/// Embeds the profiles that can be read; missing ones stay missing.
+fn embed_profiles(glb: &mut Glb, source: &Source) {
+    for (index, profile) in source.document.extensions.profiles.lights.iter().enumerate() {
+        if profile.uri.is_none() || profile.buffer_view.is_some() {
+            continue;
+        }
+        let Ok(Some(bytes)) = source.profile(index) else { continue };
+        let view = glb.push_view(&bytes, None);
+        let json = object(&mut glb.root["extensions"][PROFILES]["lights"][index]);
+        json.remove("uri");
+        json.insert("bufferView".into(), json!(view));
+        json.insert("mimeType".into(), json!(PROFILE_MIME));
     }
 }
 

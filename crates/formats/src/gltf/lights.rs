@@ -1,19 +1,19 @@
 //! `KHR_lights_punctual` and cameras, from nodes; and the lights of a scene back into its file.
 
+use super::Problem;
 use super::document::{Camera as CameraJson, Light as LightJson, Node};
 use super::geometry::unit;
 use super::glb::Glb;
-use super::graph::{Placed, placed_nodes};
+use super::graph::Placed;
 use super::names::{given, holder};
 use super::source::{Source, get};
 use super::ward::object;
-use super::{Problem, units};
 use crate::LightUnits;
 use crate::numbers::color_and_factor;
 use glam::{Affine3A, DAffine3, DVec3, Mat3, Vec3};
 use serde_json::{Value, json};
 use std::f32::consts::FRAC_PI_2;
-use unrender_scene::{Camera, Lens, Light, LightKind, Rgb, Scene, Warnings};
+use unrender_scene::{Camera, Lens, Light, LightKind, Rgb, Warnings};
 
 const PUNCTUAL: &str = "KHR_lights_punctual";
 
@@ -109,33 +109,28 @@ pub(super) fn color_and_intensity(kind: &LightKind, units: LightUnits) -> (Value
     (json!((strength / greatest).to_array()), greatest / units.radiometric(is_directional))
 }
 
-/// Makes the lights in `glb` as bright as those of `scene`, which was read from `source`, in the
-/// file's own units.
-pub(super) fn assign_lights(glb: &mut Glb, source: &Source, scene: &Scene) -> Result<(), Problem> {
+/// Makes the light with the index `index` of the node `placed` as bright as the next one that is wanted, if that has its
+/// name, in the file's own units.
+pub(super) fn assign<'a>(
+    glb: &mut Glb,
+    source: &Source,
+    (placed, index): (&Placed, usize),
+    wanted: &mut impl Iterator<Item = &'a Light>,
+) -> Result<(), Problem> {
     let (document, units) = (&source.document, source.light_units);
-    if units != units::of(&document.asset, None) {
-        units::note(&mut glb.root, units);
+    let json = get(&document.extensions.punctual.lights, index, "light")?;
+    let name = name_of(json, holder(document, placed));
+    let Some(light) = wanted.next().filter(|light| light.name == name) else { return Ok(()) };
+    if strength(json, units) == light.kind.strength() {
+        return Ok(());
     }
-    let mut wanted = scene.lights.iter();
-    for placed in placed_nodes(document)? {
-        let node = get(&document.nodes, placed.node, "node")?;
-        let Some(index) = node.extensions.punctual.as_ref().map(|punctual| punctual.light) else {
-            continue;
-        };
-        let json = get(&document.extensions.punctual.lights, index, "light")?;
-        let name = name_of(json, holder(document, &placed));
-        let Some(light) = wanted.next().filter(|light| light.name == name) else { continue };
-        if strength(json, units) == light.kind.strength() {
-            continue;
-        }
-        let uses = |other: &Node| other.extensions.punctual.as_ref().map(|p| p.light);
-        let shared = document.nodes.iter().filter(|other| uses(other) == Some(index)).count() > 1;
-        let own = if shared { own_light(glb, placed.node, index) } else { index };
-        let (color, intensity) = color_and_intensity(&light.kind, units);
-        let json = object(&mut glb.root["extensions"][PUNCTUAL]["lights"][own]);
-        json.insert("color".into(), color);
-        json.insert("intensity".into(), json!(intensity));
-    }
+    let uses = |other: &Node| other.extensions.punctual.as_ref().map(|p| p.light);
+    let shared = document.nodes.iter().filter(|other| uses(other) == Some(index)).count() > 1;
+    let own = if shared { own_light(glb, placed.node, index) } else { index };
+    let (color, intensity) = color_and_intensity(&light.kind, units);
+    let json = object(&mut glb.root["extensions"][PUNCTUAL]["lights"][own]);
+    json.insert("color".into(), color);
+    json.insert("intensity".into(), json!(intensity));
     Ok(())
 }
 

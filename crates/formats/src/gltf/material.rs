@@ -162,15 +162,11 @@ impl Reader<'_> {
         if is_lamp && base == Rgb::ZERO && roughness >= 1.0 {
             return Material::diffuse(Rgb::ZERO);
         }
-        let material = if model.is_principled() {
-            let reading = principled::from_gltf(base, metallic, roughness, extensions);
-            if let Some(doubt) = reading.doubt {
-                self.warnings.push(format!("material \"{name}\" {doubt}."));
-            }
-            reading.material
-        } else {
-            ward::from_gltf(base, metallic, roughness, extensions)
-        };
+        let reading = principled::from_gltf((base, metallic, roughness), extensions, model);
+        if let Some(doubt) = reading.doubt {
+            self.warnings.push(format!("material \"{name}\" {doubt}."));
+        }
+        let material = reading.material;
         if principled::leaves_coat_out(&material, extensions) {
             self.warnings.push(format!(
                 "material \"{name}\": its clearcoat was left out; there is one specular lobe a surface."

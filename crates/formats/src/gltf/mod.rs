@@ -28,6 +28,7 @@ mod names;
 mod panes;
 mod place;
 mod principled;
+mod profiles;
 mod read;
 mod source;
 mod tell;

@@ -66,7 +66,9 @@ pub(super) fn put(
     let node = camera_node(glb, (camera, near), origin);
     let stands_alone = |former: &Placed| {
         let node = &document.nodes[former.node];
-        let holds_more = node.mesh.is_some() || node.extensions.punctual.is_some();
+        let holds_more = node.mesh.is_some()
+            || node.extensions.punctual.is_some()
+            || node.extensions.profiled.is_some();
         former.parent.is_none() && node.children.is_empty() && !holds_more
     };
     match former {

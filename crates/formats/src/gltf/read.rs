@@ -3,7 +3,7 @@
 use super::graph::{Placed, placed_nodes};
 use super::names::{ObjectNames, group_names, holder};
 use super::source::{Source, get};
-use super::{Problem, detail, geometry, glass, lights, material, tell, two_sided, units};
+use super::{Problem, detail, geometry, glass, lights, material, profiles, tell, two_sided, units};
 use crate::{FileError, Input, relief};
 use std::collections::BTreeMap;
 use unrender_scene::{BrdfModel, Layering, Object, Scene, Warnings};
@@ -74,6 +74,9 @@ fn read_node(
         let json = get(&document.extensions.punctual.lights, punctual.light, "light")?;
         let written = (source.light_units, units::has_blenders_cones(&document.asset));
         scene.lights.push(lights::light(json, name, placed, written, warnings)?);
+    }
+    if let Some(profiled) = &node.extensions.profiled {
+        scene.lights.extend(profiles::light(source, profiled, name, placed, warnings)?);
     }
     Ok(())
 }

@@ -91,6 +91,24 @@ impl Source {
     }
 }
 
+impl Source {
+    /// The bytes of the IES file of profile `index`; none if it is missing.
+    pub(super) fn profile(&self, index: usize) -> Result<Option<Cow<'_, [u8]>>, Problem> {
+        let profile = get(&self.document.extensions.profiles.lights, index, "profile")?;
+        match (&profile.uri, profile.buffer_view) {
+            (_, Some(view)) if self.lacks_view(view) => Ok(None),
+            (_, Some(view)) => Ok(Some(Cow::Borrowed(self.view(view)?))),
+            (Some(uri), None) => {
+                let what = format!("profile {index} of EXT_lights_ies");
+                Ok(fetch(uri, &self.folder, &self.scope, &what)?.map(Cow::Owned))
+            }
+            (None, None) => Err(format!(
+                "profile {index} of EXT_lights_ies has neither uri nor bufferView; export the scene again"
+            )),
+        }
+    }
+}
+
 /// Element `index` of `items`, or what is wrong.
 pub(super) fn get<'a, T>(items: &'a [T], index: usize, what: &str) -> Result<&'a T, Problem> {
     items.get(index).ok_or_else(|| {

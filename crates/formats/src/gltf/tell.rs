@@ -12,6 +12,8 @@ pub(super) fn document(document: &Document, warnings: &mut Warnings) {
     tell(&document.unread, "file");
     tell(&document.asset.unread, "asset");
     tell(&document.extensions.punctual.unread, "lights");
+    tell(&document.extensions.profiles.unread, "lights");
+    document.extensions.profiles.lights.iter().for_each(|profile| tell(&profile.unread, "lights"));
     document.textures.iter().for_each(|texture| tell(&texture.unread, "textures"));
     document.images.iter().for_each(|image| tell(&image.unread, "images"));
     document.samplers.iter().for_each(|sampler| tell(&sampler.unread, "samplers"));
@@ -49,6 +51,9 @@ pub(super) fn node(document: &Document, node: &Node, warnings: &mut Warnings) {
             light.unread.tell("lights", warnings);
             light.spot.unread.tell("lights", warnings);
         }
+    }
+    if let Some(profiled) = &node.extensions.profiled {
+        profiled.unread.tell("nodes", warnings);
     }
     if let Some(camera) = node.camera.and_then(|index| document.cameras.get(index)) {
         camera.unread.tell("cameras", warnings);

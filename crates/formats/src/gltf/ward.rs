@@ -30,24 +30,6 @@ pub(super) const EXTENSIONS: [&str; 3] =
 
 const GLASS_IOR: f64 = 1.5;
 
-/// Ward's parameters for glTF's: base colour, metallic, roughness and extensions.
-pub(super) fn from_gltf(
-    base: Rgb,
-    metallic: f32,
-    roughness: f32,
-    extensions: &MaterialExtensions,
-) -> Material {
-    let rho_d = base * (1.0 - metallic);
-    let mut rho_s = base * metallic;
-    if roughness < 1.0 {
-        rho_s += (1.0 - metallic) * dielectric_f0(extensions);
-    }
-    if rho_s.max_element() <= 0.0 {
-        return Material::diffuse(rho_d);
-    }
-    turned(Material::isotropic(rho_d, rho_s, roughness * roughness), extensions)
-}
-
 /// The isotropic `material`, brushed as `KHR_materials_anisotropy` has it.
 pub(super) fn turned(mut material: Material, extensions: &MaterialExtensions) -> Material {
     let alpha = material.alpha_x;

@@ -4,7 +4,7 @@
 //! JSON, in double precision.
 
 use super::glb::Glb;
-use super::{Problem, lights, material, units, ward};
+use super::{Problem, lights, material, profiles, units, ward};
 use crate::glasses::Glasses;
 use crate::near;
 use crate::numbers::{number, triple};
@@ -183,21 +183,18 @@ impl Glb {
     }
 
     fn light_node(&mut self, light: &Light, origin: DVec3, units: LightUnits) -> Value {
-        let (json, place) = light_json(&light.kind, units);
-        let mut json = json;
-        json["name"] = json!(light.name);
-        let extensions = &mut ward::object(&mut self.root)
-            .entry("extensions")
-            .or_insert_with(|| json!({ "KHR_lights_punctual": { "lights": [] } }));
-        let lights = extensions["KHR_lights_punctual"]["lights"].as_array_mut();
-        let index = lights.map_or(0, |lights| {
-            lights.push(json);
-            lights.len() - 1
-        });
+        let (mut json, place) = light_json(&light.kind, units);
+        let extensions = if let LightKind::Profiled { profile, .. } = &light.kind {
+            profiles::push(self, (profile, &light.name), json)
+        } else {
+            json["name"] = json!(light.name);
+            let index = self.push_light("KHR_lights_punctual", json);
+            json!({ "KHR_lights_punctual": { "light": index } })
+        };
         json!({
             "name": light.name,
             "matrix": matrix(&place, origin),
-            "extensions": { "KHR_lights_punctual": { "light": index } },
+            "extensions": extensions,
         })
     }
 }
@@ -236,6 +233,10 @@ fn light_json(kind: &LightKind, units: LightUnits) -> (Value, Affine3A) {
             };
             json["spot"] = json!({ "innerConeAngle": inner, "outerConeAngle": outer });
             (json, along(direction, position))
+        }
+        LightKind::Profiled { position, direction, upright, .. } => {
+            let axes = Mat3::from_cols(upright, upright.cross(direction), -direction);
+            (profiles::strength_json(kind, units), Affine3A::from_mat3_translation(axes, position))
         }
     }
 }

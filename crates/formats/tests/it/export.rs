@@ -29,7 +29,7 @@ fn export(scene: &Scene, target: Target) -> export::Files {
         size: (4, 3),
         light_units: LightUnits::Radiometric,
     };
-    export::export(&shot, target).unwrap().0
+    export::export(&shot, target, target.usual_name().as_ref()).unwrap().0
 }
 
 #[test]
@@ -40,7 +40,7 @@ fn an_export_is_written_whole_or_not_at_all() {
     std::fs::write(root.join("file"), "mine").unwrap();
     for target in Target::ALL {
         let files = export(&scene(&["lamp"]), target);
-        let inside = if target == Target::Gltf { "file/inside.glb" } else { "file/inside" };
+        let inside = &format!("file/{}", target.usual_name());
         for bad in ["taken", "no/such/folder", inside] {
             assert!(export::write(&root.join(bad), target, &files).is_err(), "{target} {bad}");
         }
@@ -92,6 +92,11 @@ fn kept(target: Target, files: &export::Files) -> Vec<String> {
                 .collect()
         }
         Target::Pbrt => after(&text("scene.pbrt"), "# group "),
+        Target::Usd => {
+            let text = String::from_utf8(files[0].1.clone()).unwrap();
+            let materials = text.split("def Material ").skip(1);
+            materials.flat_map(|m| after(m, "displayName = ").into_iter().take(1)).collect()
+        }
         _ => {
             let root = std::env::temp_dir().join(format!("unrender-names-{}", std::process::id()));
             export::write(&root.with_extension("glb"), target, files).unwrap();

@@ -18,7 +18,7 @@ fn export(scene: &Scene, target: Target) -> (Files, Warnings) {
         size: (64, 48),
         light_units: LightUnits::Radiometric,
     };
-    export::export(&shot, target).unwrap()
+    export::export(&shot, target, target.usual_name().as_ref()).unwrap()
 }
 
 fn bytes<'a>(files: &'a Files, name: &str) -> &'a [u8] {

@@ -64,10 +64,7 @@ fn both(moved: [i64; 3], write: &dyn Fn(&Folder, [i64; 3]) -> std::path::PathBuf
 /// All positions in a scene.
 fn places(scene: &Scene) -> Vec<Vec3> {
     let meshes = scene.objects.iter().flat_map(|o| o.mesh.positions.iter().copied());
-    let lights = scene.lights.iter().filter_map(|light| match light.kind {
-        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
-        LightKind::Directional { .. } => None,
-    });
+    let lights = scene.lights.iter().filter_map(|light| light.kind.reach()).map(|r| r.position);
     meshes.chain(lights).chain(scene.cameras.iter().map(Camera::origin)).collect()
 }
 
@@ -295,8 +292,8 @@ fn exported(scene: &Scene, target: Target) -> (Scene, String, Vec<String>) {
     let materials = scene.materials();
     let (camera, light_units) = (&scene.cameras[0], LightUnits::Radiometric);
     let shot = SceneView { scene, materials: &materials, camera, size: (80, 60), light_units };
-    let (files, warnings) = export::export(&shot, target).unwrap();
-    let path = folder.path(if target == Target::Gltf { "out.glb" } else { "out" });
+    let path = folder.path(&target.usual_name());
+    let (files, warnings) = export::export(&shot, target, &path).unwrap();
     export::write(&path, target, &files).unwrap();
     let (path, text) = match target {
         Target::Gltf => (path, String::new()),
@@ -345,7 +342,7 @@ fn programs_of_single_precision_get_the_scene_at_zero_and_a_word() {
             let (camera, light_units) = (&scene.cameras[0], LightUnits::Radiometric);
             let shot =
                 SceneView { scene, materials: &materials, camera, size: (80, 60), light_units };
-            export::export(&shot, target).unwrap()
+            export::export(&shot, target, "scene".as_ref()).unwrap()
         };
         let (files, warnings) = of(&scene);
         assert!(files == of(&room(DVec3::ZERO)).0, "{target}");

@@ -42,7 +42,7 @@ pub(crate) fn everything() -> Value {
         json!([{ "type": "perspective", "perspective": { "yfov": 1, "znear": 0.1, "zfar": 9 } }]);
     json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
         { "type": "spot", "spot": { "innerConeAngle": 0.1, "outerConeAngle": 0.2 } }
-    ] } });
+    ] }, "EXT_lights_ies": { "lights": [{ "uri": "lamp.ies" }] } });
     json["samplers"] = json!([{ "minFilter": 9987, "magFilter": 9729, "wrapS": 10497 }]);
     json["images"] = json!([{ "uri": PIXEL, "mimeType": "image/png", "name": "pixel" }]);
     json["textures"] = json!([{ "source": 0, "sampler": 0, "name": "texture" }]);

@@ -169,7 +169,7 @@ fn an_export_to_gltf_keeps_the_units() {
         size: (4, 3),
         light_units,
     };
-    let (files, _) = export::export(&shot, Target::Gltf).unwrap();
+    let (files, _) = export::export(&shot, Target::Gltf, Path::new("scene.glb")).unwrap();
     let [point, spot, sun] = intensities(&files[0].1);
     for (written, wanted) in [(point, standard()[0]), (spot, standard()[0]), (sun, standard()[1])] {
         assert!((written / wanted - 1.0).abs() < 1e-6, "{written} against {wanted}");

@@ -116,31 +116,46 @@ pub(super) fn answer(
     found: &FittedCamera,
 ) -> Calibration {
     let FittedCamera { model, certainty, inlier, .. } = found;
+    let good = super::robust::select(sights, inlier);
+    let depths = good.iter().map(|sight| model.in_camera(&sight.point).z);
+    let depth = depths.sum::<f64>() / good.len().max(1) as f64;
+    let mut calibration = Calibration {
+        rms_px: (model.cost(&good) / good.len().max(1) as f64).sqrt(),
+        rejected: rejected(pairs, sights, inlier, model),
+        ..numbers(model, certainty, free, size, depth)
+    };
+    doubts(&mut calibration, found, &good);
+    calibration
+}
+
+/// The parameters of `model` with their standard deviations. `depth` is that of what the camera looks at, metres; a
+/// calibration without residuals, rejections and warnings.
+pub(super) fn numbers(
+    model: &Model,
+    certainty: &Certainty,
+    free: Free,
+    size: (usize, usize),
+    depth: f64,
+) -> Calibration {
     let (width, height) = (size.0 as f64, size.1 as f64);
     let centre = Vector2::new(0.5 * width, 0.5 * height);
-    let good = super::robust::select(sights, inlier);
     let deviations = Deviations { certainty, free };
     let focal = model.ln_focal.exp();
     let half = 0.5 * height / focal;
-    let (shift_column, bend_column) = {
-        let shift = 6 + usize::from(free.focal);
-        (shift, shift + 2 * usize::from(free.principal_point))
-    };
     let angles = angles(&model.camera_from_world);
     let angle_std = |which: usize| deviations.of_angle(model, which);
     let to_degrees = |value: f64, std: Option<f64>| Estimate {
         value: value.to_degrees(),
         std: std.map(f64::to_degrees),
     };
-    let focal_std = deviations.of(6, free.focal);
+    let focal_std = deviations.of(free.of_focal());
     let axes = model.camera_from_world;
     let forward = axes.row(2).transpose();
-    let depths = good.iter().map(|sight| model.in_camera(&sight.point).z);
-    let depth = depths.sum::<f64>() / good.len().max(1) as f64;
     let up = -axes.row(1).transpose();
     let axis = model.principal_point + centre;
-    let mut calibration = Calibration {
-        eye: [0, 1, 2].map(|n| Estimate { value: model.eye[n], std: deviations.of(3 + n, true) }),
+    Calibration {
+        eye: [0, 1, 2]
+            .map(|n| Estimate { value: model.eye[n], std: deviations.of(free.of_eye(n)) }),
         heading_deg: to_degrees(angles[0], angle_std(0)),
         pitch_deg: to_degrees(angles[1], angle_std(1)),
         roll_deg: to_degrees(angles[2], angle_std(2)),
@@ -149,22 +164,18 @@ pub(super) fn answer(
             2.0 * half.atan(),
             focal_std.map(|std| std * 2.0 * half / (1.0 + half * half)),
         ),
-        principal_point_px: [0, 1].map(|n| Estimate {
-            value: axis[n],
-            std: deviations.of(shift_column + n, free.principal_point),
-        }),
-        k1: Estimate { value: model.k[0], std: deviations.of(bend_column, free.distortion) },
-        k2: Estimate { value: model.k[1], std: deviations.of(bend_column + 1, free.distortion) },
-        rms_px: (model.cost(&good) / good.len().max(1) as f64).sqrt(),
+        principal_point_px: [0, 1]
+            .map(|n| Estimate { value: axis[n], std: deviations.of(free.of_principal_point(n)) }),
+        k1: Estimate { value: model.k[0], std: deviations.of(free.of_distortion(0)) },
+        k2: Estimate { value: model.k[1], std: deviations.of(free.of_distortion(1)) },
+        rms_px: 0.0,
         sigma_px: certainty.sigma,
-        rejected: rejected(pairs, sights, inlier, model),
+        rejected: Vec::new(),
         target: (model.eye + depth * forward).into(),
         up: up.into(),
         warnings: Warnings::default(),
         size,
-    };
-    doubts(&mut calibration, found, &good);
-    calibration
+    }
 }
 
 fn rejected(pairs: &[Pair], sights: &[Sight], inlier: &[bool], model: &Model) -> Vec<Rejected> {
@@ -242,8 +253,8 @@ struct Deviations<'a> {
 }
 
 impl Deviations<'_> {
-    fn of(&self, column: usize, is_free: bool) -> Option<f64> {
-        is_free.then(|| self.certainty.sigma * self.certainty.inverse[(column, column)].sqrt())
+    fn of(&self, column: Option<usize>) -> Option<f64> {
+        column.map(|column| self.certainty.std(column))
     }
 
     /// The standard deviation of one of [`angles`], radians.

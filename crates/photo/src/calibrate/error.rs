@@ -67,8 +67,54 @@ pub enum CalibrateError {
         /// The residual of the best 60 % of the pairs, pixels.
         scale_px: f64,
     },
-    /// A parameter that the pairs do not determine.
-    #[error("the pairs do not determine {what}; {remedy}")]
+    /// Too few lines, or along too few axes.
+    #[error(
+        "{needed} axes need two lines each, {lines} lines in all; there are {} along x, {} along y and {} along z", counts[0],
+        counts[1], counts[2]
+    )]
+    FewDirections {
+        /// The lines along x, y and z.
+        counts: [usize; 3],
+        /// How many axes must have two lines.
+        needed: usize,
+        /// How many lines there must be.
+        lines: usize,
+    },
+    /// A photograph in which no two perpendicular directions are found.
+    #[error(
+        "the {there} straight lines of the photo show no two perpendicular directions; mark lines yourself, in a file \
+         for --lines"
+    )]
+    NoDirections {
+        /// How many straight lines there are.
+        there: usize,
+    },
+    /// No camera agrees with most lines.
+    #[error(
+        "no camera fits most of the lines: the best one fits {agreeing} of {there} (to {scale_px:.1} px), and at least \
+         {needed} are needed; check which axis each is parallel to, and that the photo is not a crop from one side"
+    )]
+    LinesDisagree {
+        /// How many lines agree.
+        agreeing: usize,
+        /// How many lines there are.
+        there: usize,
+        /// How many would have to agree.
+        needed: usize,
+        /// The residual of the best 60 % of the lines, pixels.
+        scale_px: f64,
+    },
+    /// The line of known length cannot be where it is seen.
+    #[error(
+        "line \"{name}\", whose length is known, would be behind the camera; its first end is where its axis begins, its \
+         second is further along it"
+    )]
+    LineBehind {
+        /// Its name.
+        name: String,
+    },
+    /// A parameter that the pairs or lines do not determine.
+    #[error("{what} is not determined; {remedy}")]
     Undetermined {
         /// The parameter.
         what: String,

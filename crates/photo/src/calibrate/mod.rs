@@ -10,13 +10,15 @@
 //! 3. `refine`: least squares by Levenberg-Marquardt, and the covariance of the estimate; `answer`
 //!    converts both to angles, pixels and metres.
 //!
-//! [`calibrate`] runs all steps. Input with a wrong sign (left-handed axes, y counted from the
+//! [`calibrate`] runs all steps. [`calibrate_lines`] runs the last two on lines along the axes of the scene, with starts
+//! from their vanishing points (`lines`). Input with a wrong sign (left-handed axes, y counted from the
 //! bottom) fits a mirrored world only; that is tested and reported.
 
 mod answer;
 mod doubt;
 mod error;
 mod layout;
+mod lines;
 mod model;
 mod posit;
 mod refine;
@@ -26,9 +28,10 @@ mod start;
 pub use answer::{Calibration, Estimate, Rejected};
 pub use doubt::doubtful_pairs;
 pub use error::CalibrateError;
+pub use lines::{LinesRequest, calibrate_lines, sort_to_axes, straight_lines};
 
 use layout::Layout;
-use model::{Free, Model, Sight};
+use model::{Free, Model, Observed, Sight};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use robust::{Agreement, LEAST_SIGMA, agree, greatest_chance, select};
 use unrender_scene::Pair;
@@ -58,6 +61,17 @@ pub enum Focal {
     Known(f64),
 }
 
+impl Focal {
+    /// The focal length if it is known, and about what it is otherwise, pixels.
+    fn known_or_near(self) -> (Option<f64>, Option<f64>) {
+        match self {
+            Self::Unknown => (None, None),
+            Self::Near(focal) => (None, Some(focal)),
+            Self::Known(focal) => (Some(focal), None),
+        }
+    }
+}
+
 /// The parameters to estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Request {
@@ -74,6 +88,7 @@ pub struct Request {
 impl Request {
     fn free(&self) -> Free {
         Free {
+            position: true,
             focal: !matches!(self.focal, Focal::Known(_)),
             principal_point: self.principal_point,
             distortion: self.distortion,
@@ -119,13 +134,9 @@ pub fn calibrate(
     let sights: Vec<Sight> = pairs.iter().map(sight).collect();
     let free = request.free();
     check_layout(&sights, free)?;
-    let (known, guess) = match request.focal {
-        Focal::Unknown => (None, None),
-        Focal::Near(focal) => (None, Some(focal)),
-        Focal::Known(focal) => (Some(focal), None),
-    };
+    let (known, guess) = request.focal.known_or_near();
     let focals = start::focals(known, guess, width.max(height));
-    let agreed = agree(&sights, &focals, free, request.seed);
+    let agreed = agree_on(&sights, &focals, free, request.seed);
     let agreed = check_agreement(agreed, &sights, &focals, request, width.hypot(height))?;
     let chosen = select(&sights, &agreed.inlier);
     check_layout(&chosen, free)?;
@@ -139,17 +150,20 @@ pub fn calibrate(
     let alike = |other: &Model| other.cost(&chosen) < NEARLY * model.cost(&chosen).max(floor);
     let other = other.filter(alike);
     let certainty = refine::certainty(&model, &chosen, free).map_err(|n| undetermined(n, free))?;
-    let vague = free.focal && certainty.sigma * certainty.inverse[(6, 6)].sqrt() > VAGUE;
-    if vague {
-        return Err(undetermined(6, free));
+    if let Some(column) = free.of_focal().filter(|column| certainty.std(*column) > VAGUE) {
+        return Err(undetermined(column, free));
     }
     let missed = missed(&model, &chosen, free);
     let found = answer::FittedCamera { model, certainty, inlier: agreed.inlier, other, missed };
     Ok(answer::answer(pairs, &sights, size, free, &found))
 }
 
+fn agree_on(sights: &[Sight], focals: &[f64], free: Free, seed: u64) -> Option<Agreement> {
+    agree(sights, free, seed, &|subset| start::starts(subset, focals, free.without_lens()))
+}
+
 fn check_layout(sights: &[Sight], free: Free) -> Result<(), CalibrateError> {
-    let needed = free.fewest_pairs();
+    let needed = Sight::fewest(sights, free);
     if sights.len() < needed {
         let hint = if free.focal {
             ", or state the field of view if you know it: the pose alone needs 4"
@@ -201,7 +215,7 @@ fn check_agreement(
     let (agreeing, scale) = agreed.as_ref().map_or((0, f64::INFINITY), |agreed| {
         (agreed.inlier.iter().filter(|b| **b).count(), agreed.scale)
     });
-    let needed = (sights.len() / 2 + 1).max(free.fewest_pairs());
+    let needed = (sights.len() / 2 + 1).max(Sight::fewest(sights, free));
     let all_well = agreeing == sights.len() && scale < DOUBTFUL * diagonal;
     if !all_well && !Layout::of(sights).is_planar() {
         let mirror = |sight: &Sight| {
@@ -209,7 +223,7 @@ fn check_agreement(
             Sight { image, ..*sight }
         };
         let mirrored: Vec<Sight> = sights.iter().map(mirror).collect();
-        let other = agree(&mirrored, focals, free, request.seed);
+        let other = agree_on(&mirrored, focals, free, request.seed);
         let mirrored_px = other.map_or(f64::INFINITY, |other| other.scale);
         // No photograph is measured so accurately that a smaller residual is significant.
         if MIRRORED_BETTER * mirrored_px.max(0.01) < scale && scale > DOUBTFUL * diagonal {
@@ -285,5 +299,5 @@ fn other_pose(model: &Model, sights: &[Sight], free: Free) -> Option<Model> {
     let start = Model { camera_from_world: turned, eye, ..*model };
     let other = refine::refine(&start, sights, free, refine::FINAL);
     let apart = (other.eye - model.eye).norm() > 0.05 * in_camera.norm();
-    (apart && sights.iter().all(|sight| other.sees(sight))).then_some(other)
+    (apart && sights.iter().all(|sight| sight.is_in_front(&other))).then_some(other)
 }

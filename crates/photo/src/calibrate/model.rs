@@ -8,11 +8,43 @@
 //! image = f (1 + k1 r2 + k2 r2^2) (x, y) + principal point
 //! ```
 
-use nalgebra::{DMatrix, DVector, Matrix2x3, Matrix3, Rotation3, Vector2, Vector3};
+use nalgebra::{
+    DMatrix, DMatrixViewMut, DVector, Matrix2, Matrix2x3, Matrix3, Rotation3, Vector2, Vector3,
+};
 
 /// The least depth of a point, as a share of its distance; points behind the camera are put at this
 /// depth, where their residual is large.
 const LEAST_DEPTH: f64 = 1e-3;
+
+/// Something that the photograph shows and a camera predicts, with residuals in pixels.
+pub(super) trait Observed: Copy {
+    /// How many residuals there are.
+    const ROWS: usize;
+
+    /// How many of any `observed` to fit to at least.
+    fn fewest(observed: &[Self], free: Free) -> usize;
+
+    /// Whether `observed` determine the free parameters.
+    fn suffice(observed: &[Self], free: Free) -> bool {
+        observed.len() >= Self::fewest(observed, free)
+    }
+
+    /// What kind it is of: outliers are looked for among each kind, as without all of one the camera may not be
+    /// determined.
+    fn kind(&self) -> usize {
+        0
+    }
+
+    /// Whether it is in front of the camera.
+    fn is_in_front(&self, model: &Model) -> bool;
+
+    /// The residuals, of which the first [`Observed::ROWS`] count; the others are zero.
+    fn residual(&self, model: &Model) -> Vector2<f64>;
+
+    /// Writes the residuals' derivatives by the steps of [`Model::moved`] into `rows`; `turn` is the
+    /// derivative of the rotation, [`left_jacobian`].
+    fn derive(&self, model: &Model, free: Free, turn: &Matrix3<f64>, rows: DMatrixViewMut<'_, f64>);
+}
 
 /// A point and where it was seen.
 #[derive(Clone, Copy, Debug)]
@@ -23,9 +55,10 @@ pub(super) struct Sight {
     pub(super) point: Vector3<f64>,
 }
 
-/// The free parameters beside the pose.
+/// The free parameters beside the rotation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Free {
+    pub(super) position: bool,
     pub(super) focal: bool,
     pub(super) principal_point: bool,
     pub(super) distortion: bool,
@@ -34,14 +67,45 @@ pub(super) struct Free {
 impl Free {
     /// How many numbers: rotation, eye, logarithm of the focal length, principal point, k1 and k2.
     pub(super) fn count(self) -> usize {
-        6 + usize::from(self.focal)
-            + 2 * usize::from(self.principal_point)
-            + 2 * usize::from(self.distortion)
+        let [.., (last, width)] = self.blocks();
+        last + width
     }
 
-    /// The fewest pairs that determine them and leave an equation or two for a check.
-    pub(super) fn fewest_pairs(self) -> usize {
-        self.count().div_ceil(2) + 1
+    /// The first column of the eye, of the focal length, of the principal point and of the distortion, and the number
+    /// of columns of each: none if it is not free. The rotation has the first three.
+    fn blocks(self) -> [(usize, usize); 4] {
+        let is_free = [self.position, self.focal, self.principal_point, self.distortion];
+        let mut next = 3;
+        [0, 1, 2, 3].map(|block| {
+            let width = if is_free[block] { [3, 1, 2, 2][block] } else { 0 };
+            next += width;
+            (next - width, width)
+        })
+    }
+
+    /// The column of the eye's coordinate `axis`, if it is free.
+    pub(super) fn of_eye(self, axis: usize) -> Option<usize> {
+        self.column(0, axis)
+    }
+
+    /// The column of the logarithm of the focal length, if it is free.
+    pub(super) fn of_focal(self) -> Option<usize> {
+        self.column(1, 0)
+    }
+
+    /// The column of the principal point's coordinate `axis`, if it is free.
+    pub(super) fn of_principal_point(self, axis: usize) -> Option<usize> {
+        self.column(2, axis)
+    }
+
+    /// The column of k1 (0) or k2 (1), if it is free.
+    pub(super) fn of_distortion(self, which: usize) -> Option<usize> {
+        self.column(3, which)
+    }
+
+    fn column(self, block: usize, at: usize) -> Option<usize> {
+        let (first, width) = self.blocks()[block];
+        (at < width).then_some(first + at)
     }
 
     /// The pose, and the focal length if it is searched for.
@@ -77,24 +141,9 @@ impl Model {
         self.camera_from_world * (point - self.eye)
     }
 
-    /// The projection of the point minus its measured pixel. A point behind the camera is put just
-    /// in front of it, with a large residual.
-    pub(super) fn residual(&self, sight: &Sight) -> Vector2<f64> {
-        let plane = on_plane(&self.in_camera(&sight.point));
-        let [k1, k2] = self.k;
-        let r2 = plane.norm_squared();
-        let factor = 1.0 + r2 * (k1 + r2 * k2);
-        self.ln_focal.exp() * factor * plane + self.principal_point - sight.image
-    }
-
     /// The sum of the squared residuals, pixels^2.
-    pub(super) fn cost(&self, sights: &[Sight]) -> f64 {
-        sights.iter().map(|sight| self.residual(sight).norm_squared()).sum()
-    }
-
-    /// Whether the camera looks towards the point.
-    pub(super) fn sees(&self, sight: &Sight) -> bool {
-        self.in_camera(&sight.point).z > 0.0
+    pub(super) fn cost<T: Observed>(&self, observed: &[T]) -> f64 {
+        observed.iter().map(|seen| seen.residual(self).norm_squared()).sum()
     }
 
     /// The camera after a step along the free numbers: a rotation vector in the camera's frame,
@@ -103,19 +152,76 @@ impl Model {
         let mut model = *self;
         let turn = Rotation3::new(Vector3::new(step[0], step[1], step[2]));
         model.camera_from_world = turn.matrix() * self.camera_from_world;
-        model.eye += Vector3::new(step[3], step[4], step[5]);
-        let mut rest = step[6..].iter();
-        let mut next = || rest.next().copied().unwrap_or(0.0);
-        if free.focal {
-            model.ln_focal += next();
-        }
-        if free.principal_point {
-            model.principal_point += Vector2::new(next(), next());
-        }
-        if free.distortion {
-            model.k = [self.k[0] + next(), self.k[1] + next()];
-        }
+        let by = |column: Option<usize>| column.map_or(0.0, |column| step[column]);
+        model.eye += Vector3::from_fn(|axis, _| by(free.of_eye(axis)));
+        model.ln_focal += by(free.of_focal());
+        model.principal_point += Vector2::from_fn(|axis, _| by(free.of_principal_point(axis)));
+        model.k = [0, 1].map(|which| self.k[which] + by(free.of_distortion(which)));
         model
+    }
+}
+
+impl Observed for Sight {
+    const ROWS: usize = 2;
+
+    /// One more than determine the parameters, for a check.
+    fn fewest(_: &[Self], free: Free) -> usize {
+        free.count().div_ceil(Self::ROWS) + 1
+    }
+
+    fn is_in_front(&self, model: &Model) -> bool {
+        model.in_camera(&self.point).z > 0.0
+    }
+
+    /// The projection of the point minus its measured pixel. A point behind the camera is put just
+    /// in front of it, with a large residual.
+    fn residual(&self, model: &Model) -> Vector2<f64> {
+        let plane = on_plane(&model.in_camera(&self.point));
+        let [k1, k2] = model.k;
+        let r2 = plane.norm_squared();
+        let factor = 1.0 + r2 * (k1 + r2 * k2);
+        model.ln_focal.exp() * factor * plane + model.principal_point - self.image
+    }
+
+    fn derive(
+        &self,
+        model: &Model,
+        free: Free,
+        turn: &Matrix3<f64>,
+        mut rows: DMatrixViewMut<'_, f64>,
+    ) {
+        let focal = model.ln_focal.exp();
+        let [k1, k2] = model.k;
+        let in_camera = model.in_camera(&self.point);
+        let depth = in_camera.z.max(LEAST_DEPTH * in_camera.norm()).max(f64::MIN_POSITIVE);
+        let plane = on_plane(&in_camera);
+        let (x, y, r2) = (plane.x, plane.y, plane.norm_squared());
+        let factor = 1.0 + r2 * (k1 + r2 * k2);
+        let slope = 2.0 * (k1 + 2.0 * r2 * k2);
+        let bend = Matrix2::new(
+            factor + slope * x * x,
+            slope * x * y,
+            slope * x * y,
+            factor + slope * y * y,
+        );
+        let divide = Matrix2x3::new(1.0, 0.0, -x, 0.0, 1.0, -y) / depth;
+        let by_point = focal * bend * divide;
+        let by_turn = -by_point * in_camera.cross_matrix() * turn;
+        rows.fixed_view_mut::<2, 3>(0, 0).copy_from(&by_turn);
+        if let Some(column) = free.of_eye(0) {
+            let by_eye = -by_point * model.camera_from_world;
+            rows.fixed_view_mut::<2, 3>(0, column).copy_from(&by_eye);
+        }
+        if let Some(column) = free.of_focal() {
+            rows.set_column(column, &(focal * factor * plane));
+        }
+        if let Some(column) = free.of_principal_point(0) {
+            rows.fixed_view_mut::<2, 2>(0, column).fill_with_identity();
+        }
+        if let Some(column) = free.of_distortion(0) {
+            rows.set_column(column, &(focal * r2 * plane));
+            rows.set_column(column + 1, &(focal * r2 * r2 * plane));
+        }
     }
 }
 
@@ -126,58 +232,26 @@ fn on_plane(in_camera: &Vector3<f64>) -> Vector2<f64> {
 }
 
 /// All residuals in one vector, pixels.
-pub(super) fn residuals(model: &Model, sights: &[Sight]) -> DVector<f64> {
-    let each = sights.iter().flat_map(|sight| {
-        let residual = model.residual(sight);
-        [residual.x, residual.y]
+pub(super) fn residuals<T: Observed>(model: &Model, observed: &[T]) -> DVector<f64> {
+    let each = observed.iter().flat_map(|seen| {
+        let residual = seen.residual(model);
+        (0..T::ROWS).map(move |row| residual[row])
     });
-    DVector::from_iterator(2 * sights.len(), each)
+    DVector::from_iterator(T::ROWS * observed.len(), each)
 }
 
 /// The derivatives of all residuals by the steps of [`Model::moved`] at a step whose rotation is
 /// `turn`; `model` is the camera after the step.
-pub(super) fn jacobian(
+pub(super) fn jacobian<T: Observed>(
     model: &Model,
-    sights: &[Sight],
+    observed: &[T],
     free: Free,
     turn: &Vector3<f64>,
 ) -> DMatrix<f64> {
-    let mut all = DMatrix::zeros(2 * sights.len(), free.count());
-    let turn_jacobian = left_jacobian(turn);
-    let focal = model.ln_focal.exp();
-    let [k1, k2] = model.k;
-    for (index, sight) in sights.iter().enumerate() {
-        let in_camera = model.in_camera(&sight.point);
-        let depth = in_camera.z.max(LEAST_DEPTH * in_camera.norm()).max(f64::MIN_POSITIVE);
-        let plane = on_plane(&in_camera);
-        let (x, y, r2) = (plane.x, plane.y, plane.norm_squared());
-        let factor = 1.0 + r2 * (k1 + r2 * k2);
-        let slope = 2.0 * (k1 + 2.0 * r2 * k2);
-        let bend = nalgebra::Matrix2::new(
-            factor + slope * x * x,
-            slope * x * y,
-            slope * x * y,
-            factor + slope * y * y,
-        );
-        let divide = Matrix2x3::new(1.0, 0.0, -x, 0.0, 1.0, -y) / depth;
-        let by_point = focal * bend * divide;
-        let mut rows = all.rows_mut(2 * index, 2);
-        let by_turn = -by_point * in_camera.cross_matrix() * turn_jacobian;
-        rows.fixed_view_mut::<2, 3>(0, 0).copy_from(&by_turn);
-        rows.fixed_view_mut::<2, 3>(0, 3).copy_from(&(-by_point * model.camera_from_world));
-        let mut column = 6;
-        if free.focal {
-            rows.fixed_view_mut::<2, 1>(0, column).copy_from(&(focal * factor * plane));
-            column += 1;
-        }
-        if free.principal_point {
-            rows.fixed_view_mut::<2, 2>(0, column).fill_with_identity();
-            column += 2;
-        }
-        if free.distortion {
-            rows.fixed_view_mut::<2, 1>(0, column).copy_from(&(focal * r2 * plane));
-            rows.fixed_view_mut::<2, 1>(0, column + 1).copy_from(&(focal * r2 * r2 * plane));
-        }
+    let mut all = DMatrix::zeros(T::ROWS * observed.len(), free.count());
+    let turn = left_jacobian(turn);
+    for (index, seen) in observed.iter().enumerate() {
+        seen.derive(model, free, &turn, all.rows_mut(T::ROWS * index, T::ROWS));
     }
     all
 }
@@ -205,7 +279,7 @@ mod tests {
         let mut start = Model::pinhole(turn, Vector3::new(1.0, 2.0, -1.0), 900.0);
         start.principal_point = Vector2::new(5.0, -7.0);
         start.k = [-0.2, 0.05];
-        let free = Free { focal: true, principal_point: true, distortion: true };
+        let free = Free { position: true, focal: true, principal_point: true, distortion: true };
         let in_front = Vector3::new(0.4, -0.3, 3.0);
         let point = start.eye + turn.transpose() * in_front;
         let sights = [Sight { image: Vector2::new(100.0, -80.0), point }];

@@ -16,7 +16,7 @@
 //! two poses. The first iteration follows both, later ones the better of the two [Oberkampf et al.
 //! 1996].
 
-use super::model::{Model, Sight};
+use super::model::{Model, Observed, Sight};
 use nalgebra::{Complex, Matrix3, Vector2, Vector3};
 
 const ITERATIONS: usize = 60;
@@ -86,7 +86,7 @@ impl<'a> Posit<'a> {
             let poses = self.solve(image, &depths, focal).into_iter();
             best = poses.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b)))?;
         }
-        self.sights.iter().all(|sight| best.sees(sight)).then_some(best)
+        self.sights.iter().all(|sight| sight.is_in_front(&best)).then_some(best)
     }
 
     fn cost(&self, model: &Model) -> f64 {
@@ -152,7 +152,7 @@ mod tests {
     fn sights(points: &[[f64; 3]]) -> Vec<Sight> {
         let seen = |point: &[f64; 3]| {
             let point = Vector3::from(*point);
-            let image = truth().residual(&Sight { image: Vector2::zeros(), point });
+            let image = Sight { image: Vector2::zeros(), point }.residual(&truth());
             Sight { image, point }
         };
         points.iter().map(seen).collect()

@@ -4,10 +4,10 @@
 //! maximum-likelihood estimate; its covariance is, to first order, the Cramer-Rao bound
 //!
 //! ```text
-//! C = sigma^2 (J^T J)^-1,      sigma^2 = sum of the squared residuals / (2 pairs - numbers)
+//! C = sigma^2 (J^T J)^-1,      sigma^2 = sum of the squared residuals / (residuals - numbers)
 //! ```
 
-use super::model::{Free, Model, Sight, jacobian, residuals};
+use super::model::{Free, Model, Observed, jacobian, residuals};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn, Vector3};
@@ -29,20 +29,20 @@ pub(super) const FINAL: Care = Care { tolerance: 1e-13, patience: 60 };
 /// that the parameters are not determined.
 const SINGULAR: f64 = 1e-7;
 
-struct Problem<'a> {
+struct Problem<'a, T> {
     start: &'a Model,
-    sights: &'a [Sight],
+    observed: &'a [T],
     free: Free,
     step: DVector<f64>,
 }
 
-impl Problem<'_> {
+impl<T> Problem<'_, T> {
     fn model(&self) -> Model {
         self.start.moved(self.step.as_slice(), self.free)
     }
 }
 
-impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
+impl<T: Observed> LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_, T> {
     type ResidualStorage = Owned<f64, Dyn>;
     type JacobianStorage = Owned<f64, Dyn, Dyn>;
     type ParameterStorage = Owned<f64, Dyn>;
@@ -56,24 +56,24 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn residuals(&self) -> Option<DVector<f64>> {
-        let all = residuals(&self.model(), self.sights);
+        let all = residuals(&self.model(), self.observed);
         all.iter().all(|r| r.is_finite()).then_some(all)
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
         let turn = Vector3::new(self.step[0], self.step[1], self.step[2]);
-        let all = jacobian(&self.model(), self.sights, self.free, &turn);
+        let all = jacobian(&self.model(), self.observed, self.free, &turn);
         all.iter().all(|d| d.is_finite()).then_some(all)
     }
 }
 
 /// The camera near `start` whose residuals have the least squares; `start` if none is better.
-pub(super) fn refine(start: &Model, sights: &[Sight], free: Free, care: Care) -> Model {
+pub(super) fn refine<T: Observed>(start: &Model, observed: &[T], free: Free, care: Care) -> Model {
     let step = DVector::zeros(free.count());
     let search = LevenbergMarquardt::new().with_tol(care.tolerance).with_patience(care.patience);
-    let (problem, _) = search.minimize(Problem { start, sights, free, step });
+    let (problem, _) = search.minimize(Problem { start, observed, free, step });
     let found = problem.model();
-    if found.cost(sights) <= start.cost(sights) { found } else { *start }
+    if found.cost(observed) <= start.cost(observed) { found } else { *start }
 }
 
 /// The uncertainty of the estimate.
@@ -87,12 +87,24 @@ pub(super) struct Certainty {
     pub(super) inverse: DMatrix<f64>,
 }
 
-/// The uncertainty of `model`, fitted to `sights`.
+impl Certainty {
+    /// The standard deviation of the parameter in this column.
+    pub(super) fn std(&self, column: usize) -> f64 {
+        self.sigma * self.inverse[(column, column)].sqrt()
+    }
+}
+
+/// The uncertainty of `model`, fitted to `observed`.
 ///
 /// # Errors
-/// If the sights do not determine the parameters: the index of the least certain one.
-pub(super) fn certainty(model: &Model, sights: &[Sight], free: Free) -> Result<Certainty, usize> {
-    let jacobian = jacobian(model, sights, free, &Vector3::zeros());
+/// If `observed` does not determine the parameters: the index of the least certain one.
+pub(super) fn certainty<T: Observed>(
+    model: &Model,
+    observed: &[T],
+    free: Free,
+) -> Result<Certainty, usize> {
+    let jacobian = jacobian(model, observed, free, &Vector3::zeros());
+    let rows = jacobian.nrows();
     let norms: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
     if let Some(index) = norms.iter().position(|norm| !(*norm > 0.0 && norm.is_finite())) {
         return Err(index);
@@ -103,7 +115,7 @@ pub(super) fn certainty(model: &Model, sights: &[Sight], free: Free) -> Result<C
     let values = &decomposed.singular_values;
     let (last, least) = values.argmin();
     let Some(directions) = decomposed.v_t else { return Err(0) };
-    if sights.len() * 2 < free.count() || least < SINGULAR * values.max() {
+    if rows < free.count() || least < SINGULAR * values.max() {
         return Err(directions.row(last).transpose().icamax());
     }
     let mut half = directions.transpose();
@@ -111,7 +123,7 @@ pub(super) fn certainty(model: &Model, sights: &[Sight], free: Free) -> Result<C
         half.column_mut(column).scale_mut(1.0 / value);
     }
     half.row_iter_mut().zip(&norms).for_each(|(mut row, norm)| row /= *norm);
-    let freedom = 2 * sights.len() - free.count();
-    let sigma = (model.cost(sights) / freedom.max(1) as f64).sqrt();
+    let freedom = rows - free.count();
+    let sigma = (model.cost(observed) / freedom.max(1) as f64).sqrt();
     Ok(Certainty { sigma, freedom, inverse: &half * half.transpose() })
 }

@@ -11,10 +11,9 @@
 //! where `e` is the residual of the pair against the prediction of the others. Pairs above the
 //! quantile become outliers, those below it inliers again.
 
-use super::model::{Free, Model, Sight, jacobian};
+use super::model::{Free, Model, Observed, jacobian};
 use super::refine::{Certainty, FINAL, ROUGH, certainty, refine};
-use super::start::starts;
-use nalgebra::{Matrix2, Vector2, Vector3};
+use nalgebra::{DMatrix, Vector3};
 
 /// Subsets to draw: with 40 % wrong pairs and 6 per subset, the chance that all contain a wrong one
 /// is 10^-3.
@@ -43,28 +42,33 @@ pub(super) struct Agreement {
     pub(super) scale: f64,
 }
 
-/// The camera that most of `sights` agree with, and the inliers; none if no camera was found.
-pub(super) fn agree(sights: &[Sight], focals: &[f64], free: Free, seed: u64) -> Option<Agreement> {
-    let trimmed = trimmed_fit(sights, focals, free, seed)?;
-    let kept = kept_count(sights.len(), free);
+/// The camera that most of `sights` agree with, and the inliers; none if no camera was found. `starts` gives cameras
+/// that may have seen a subset, the best first.
+pub(super) fn agree<T: Observed>(
+    sights: &[T],
+    free: Free,
+    seed: u64,
+    starts: &dyn Fn(&[T]) -> Vec<Model>,
+) -> Option<Agreement> {
+    let trimmed = trimmed_fit(sights, free, seed, starts)?;
+    let kept = kept_count(sights, free);
     let mean = trimmed_cost(&trimmed, sights, kept) / kept as f64;
     let scale = mean.sqrt();
     let stretch = if kept < sights.len() { TRIMMED } else { 1.0 };
-    let equations = (2 * kept) as f64;
+    let equations = (T::ROWS * kept) as f64;
     let freedom = (equations - free.count() as f64).max(1.0);
     let sigma = (stretch * mean * kept as f64 / freedom).sqrt().max(LEAST_SIGMA);
     let distances: Vec<f64> = sights.iter().map(|s| distance(&trimmed, s)).collect();
     let first = distances.iter().map(|d| *d <= FIRST_SIGMAS * sigma).collect();
     let mut now = Agreement { model: trimmed, inlier: first, scale };
-    let best = best_pairs(&trimmed, sights, free.fewest_pairs());
+    let best = best_pairs(&trimmed, sights, T::fewest(sights, free));
     best.iter().for_each(|index| now.inlier[*index] = true);
     for _ in 0..ITERATIONS {
         let chosen = select(sights, &now.inlier);
         now.model = refine(&now.model, &chosen, free, FINAL);
         let Ok(certainty) = certainty(&now.model, &chosen, free) else { break };
         let next = judge(&now, sights, free, &certainty);
-        let enough = next.iter().filter(|b| **b).count() >= free.fewest_pairs();
-        if next == now.inlier || !enough {
+        if next == now.inlier || !T::suffice(&select(sights, &next), free) {
             break;
         }
         now.inlier = next;
@@ -73,44 +77,62 @@ pub(super) fn agree(sights: &[Sight], focals: &[f64], free: Free, seed: u64) -> 
 }
 
 /// The inliers.
-pub(super) fn select(sights: &[Sight], inlier: &[bool]) -> Vec<Sight> {
+pub(super) fn select<T: Observed>(sights: &[T], inlier: &[bool]) -> Vec<T> {
     sights.iter().zip(inlier).filter(|(_, b)| **b).map(|(sight, _)| *sight).collect()
 }
 
 /// The reprojection error of a pair, pixels; infinite behind the camera.
-pub(super) fn distance(model: &Model, sight: &Sight) -> f64 {
-    if model.sees(sight) { model.residual(sight).norm() } else { f64::INFINITY }
+pub(super) fn distance<T: Observed>(model: &Model, sight: &T) -> f64 {
+    if sight.is_in_front(model) { sight.residual(model).norm() } else { f64::INFINITY }
 }
 
-fn kept_count(count: usize, free: Free) -> usize {
+fn kept_count<T: Observed>(sights: &[T], free: Free) -> usize {
+    let count = sights.len();
     let wrong = (WRONG * count as f64).floor() as usize;
-    (count - wrong).max(free.fewest_pairs()).min(count)
+    (count - wrong).max(T::fewest(sights, free)).min(count)
 }
 
-/// The indices of the `count` pairs that fit best.
-fn best_pairs(model: &Model, sights: &[Sight], count: usize) -> Vec<usize> {
-    let mut order: Vec<(f64, usize)> =
-        sights.iter().enumerate().map(|(n, sight)| (distance(model, sight), n)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    order.into_iter().take(count).map(|(_, index)| index).collect()
+/// The indices of the `count` pairs that fit best, the same share of each kind.
+fn best_pairs<T: Observed>(model: &Model, sights: &[T], count: usize) -> Vec<usize> {
+    let mut order: Vec<(usize, f64, usize)> = sights
+        .iter()
+        .enumerate()
+        .map(|(n, sight)| (sight.kind(), distance(model, sight), n))
+        .collect();
+    order.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
+    // Which of its kind each is, as a share of them; the best two of each come first.
+    let mut ranked: Vec<(f64, usize)> = Vec::with_capacity(order.len());
+    for of_one_kind in order.chunk_by(|a, b| a.0 == b.0) {
+        let all = of_one_kind.len() as f64;
+        let share = |rank: usize| if rank < 2 { 0.0 } else { (rank as f64 + 0.5) / all };
+        let rank = |(rank, pair): (usize, &(usize, f64, usize))| (share(rank), pair.2);
+        ranked.extend(of_one_kind.iter().enumerate().map(rank));
+    }
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    ranked.into_iter().take(count).map(|(_, index)| index).collect()
 }
 
-fn trimmed_cost(model: &Model, sights: &[Sight], kept: usize) -> f64 {
+fn trimmed_cost<T: Observed>(model: &Model, sights: &[T], kept: usize) -> f64 {
     let best = best_pairs(model, sights, kept);
     best.into_iter().map(|index| distance(model, &sights[index]).powi(2)).sum()
 }
 
 /// One step of concentration: the camera of the pairs that fit best.
-fn concentrate(model: &Model, sights: &[Sight], kept: usize, free: Free) -> Model {
+fn concentrate<T: Observed>(model: &Model, sights: &[T], kept: usize, free: Free) -> Model {
     let best = best_pairs(model, sights, kept);
-    let chosen: Vec<Sight> = best.into_iter().map(|index| sights[index]).collect();
+    let chosen: Vec<T> = best.into_iter().map(|index| sights[index]).collect();
     refine(model, &chosen, free, ROUGH)
 }
 
-fn trimmed_fit(sights: &[Sight], focals: &[f64], free: Free, seed: u64) -> Option<Model> {
+fn trimmed_fit<T: Observed>(
+    sights: &[T],
+    free: Free,
+    seed: u64,
+    starts: &dyn Fn(&[T]) -> Vec<Model>,
+) -> Option<Model> {
     let pose = free.without_lens();
-    let kept = kept_count(sights.len(), free);
-    let size = pose.fewest_pairs().min(sights.len());
+    let kept = kept_count(sights, free);
+    let size = T::fewest(sights, pose).min(sights.len());
     let mut random = Random(seed);
     let mut found: Vec<(f64, Model)> = Vec::new();
     let mut subsets = vec![sights.to_vec()];
@@ -118,7 +140,7 @@ fn trimmed_fit(sights: &[Sight], focals: &[f64], free: Free, seed: u64) -> Optio
         subsets.extend((0..SUBSETS).map(|_| random.subset(sights, size)));
     }
     for subset in &subsets {
-        for start in starts(subset, focals, pose).into_iter().take(2) {
+        for start in starts(subset).into_iter().take(2) {
             let next = concentrate(&start, sights, kept, pose);
             found.push((trimmed_cost(&next, sights, kept), next));
         }
@@ -143,24 +165,36 @@ fn trimmed_fit(sights: &[Sight], focals: &[f64], free: Free, seed: u64) -> Optio
 }
 
 /// The pairs whose residual against the prediction of the other inliers is not significant.
-fn judge(now: &Agreement, sights: &[Sight], free: Free, certainty: &Certainty) -> Vec<bool> {
+fn judge<T: Observed>(
+    now: &Agreement,
+    sights: &[T],
+    free: Free,
+    certainty: &Certainty,
+) -> Vec<bool> {
     let pairs = sights.iter().zip(&now.inlier);
     pairs.map(|(sight, inlier)| fits(&now.model, sight, *inlier, free, certainty)).collect()
 }
 
-fn fits(model: &Model, sight: &Sight, inlier: bool, free: Free, certainty: &Certainty) -> bool {
-    if !model.sees(sight) {
+fn fits<T: Observed>(
+    model: &Model,
+    sight: &T,
+    inlier: bool,
+    free: Free,
+    certainty: &Certainty,
+) -> bool {
+    if !sight.is_in_front(model) {
         return false;
     }
-    let residual: Vector2<f64> = model.residual(sight);
+    let residual = sight.residual(model);
+    let residual = residual.rows(0, T::ROWS);
     let derivatives = jacobian(model, &[*sight], free, &Vector3::zeros());
     let spread = &derivatives * &certainty.inverse * derivatives.transpose();
-    let spread: Matrix2<f64> = spread.fixed_view::<2, 2>(0, 0).into_owned();
+    let one = DMatrix::identity(T::ROWS, T::ROWS);
     // An inlier influenced the camera; its residual without that influence is larger.
     let (matrix, freedom) = if inlier {
-        (Matrix2::identity() - spread, certainty.freedom.saturating_sub(2))
+        (one - spread, certainty.freedom.saturating_sub(T::ROWS))
     } else {
-        (Matrix2::identity() + spread, certainty.freedom)
+        (one + spread, certainty.freedom)
     };
     // A pair without which the camera is not determined cannot be tested.
     let Some(inverse) = matrix.try_inverse().filter(|_| freedom > 0) else { return inlier };
@@ -179,9 +213,18 @@ pub(super) fn greatest_chance(freedom: usize) -> f64 {
 }
 
 /// splitmix64 [Steele et al. 2014]: the same subsets for the same seed, on every machine.
-struct Random(u64);
+pub(super) struct Random(u64);
 
 impl Random {
+    pub(super) fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// One of `0..count`.
+    pub(super) fn below(&mut self, count: usize) -> usize {
+        (self.next() % count as u64) as usize
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -191,10 +234,10 @@ impl Random {
     }
 
     /// `size` different elements.
-    fn subset(&mut self, sights: &[Sight], size: usize) -> Vec<Sight> {
-        let mut left: Vec<Sight> = sights.to_vec();
+    fn subset<T: Observed>(&mut self, sights: &[T], size: usize) -> Vec<T> {
+        let mut left: Vec<T> = sights.to_vec();
         for drawn in 0..size {
-            let other = drawn + (self.next() % (left.len() - drawn) as u64) as usize;
+            let other = drawn + self.below(left.len() - drawn);
             left.swap(drawn, other);
         }
         left.truncate(size);
@@ -204,7 +247,9 @@ impl Random {
 
 #[cfg(test)]
 mod tests {
+    use super::super::model::Sight;
     use super::*;
+    use nalgebra::Vector2;
 
     #[test]
     fn the_limit_of_chance_nears_that_of_many_pairs() {

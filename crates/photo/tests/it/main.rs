@@ -4,5 +4,6 @@ mod common;
 
 mod bracket;
 mod calibrate_accuracy;
+mod calibrate_lines;
 mod calibrate_photographs;
 mod calibrate_robust;

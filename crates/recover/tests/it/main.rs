@@ -9,6 +9,7 @@ mod error_bars;
 mod facing;
 mod ggx;
 mod ladder;
+mod measured;
 mod registration;
 mod sharp_lobes;
 mod verified;

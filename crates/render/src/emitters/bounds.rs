@@ -16,8 +16,8 @@ use super::pool::{CLUSTERS_MAX, Emitter};
 use crate::lanes::{Vec3x4, dot, set_lane};
 use glam::{Vec3, Vec4};
 use std::f32::consts::PI;
-use unrender_scene::LightKind;
 use unrender_scene::color::luminance;
+use unrender_scene::{LightKind, Reach};
 
 /// Clusters of a smaller extent are not split. Positions count in radii of the scene, orientations
 /// in components of the unit axis, so 0.3 is a third of the radius or about 17 degrees. Half of it
@@ -64,16 +64,10 @@ struct Extent {
 }
 
 impl LightBounds {
-    /// The bounds of a point or spot light; none for a directional one.
+    /// The bounds of a light at a place; none for a directional one.
     pub(super) fn of_punctual(light: Emitter, kind: &LightKind) -> Option<Self> {
-        let (centre, intensity, axis, reach_rad) = match *kind {
-            LightKind::Point { position, intensity } => (position, intensity, Vec3::ZERO, PI),
-            LightKind::Spot { position, direction, intensity, outer_rad, .. } => {
-                (position, intensity, direction, outer_rad)
-            }
-            LightKind::Directional { .. } => return None,
-        };
-        let strength = luminance(intensity);
+        let Reach { position: centre, axis, angle_rad: reach_rad } = kind.reach()?;
+        let strength = luminance(kind.strength());
         Some(Self { light, centre, radius: 0.0, axis, reach_rad, strength })
     }
 

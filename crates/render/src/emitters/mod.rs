@@ -102,7 +102,7 @@ impl Emitters {
         let mut emitters = Self {
             triangles: emitting,
             emissions,
-            punctual: lights.iter().map(|l| l.kind).collect(),
+            punctual: lights.iter().map(|l| l.kind.clone()).collect(),
             environment: environment.and_then(EnvironmentSampler::new),
             layout: SourceLayout::new(groups, lights.len() as u32, environment),
             pools: Default::default(),
@@ -389,6 +389,9 @@ pub(crate) fn power(kind: &LightKind, scene_radius2: f32) -> f32 {
             TAU * (1.0 - 0.5 * (inner_rad.cos() + outer_rad.cos())) * luminance(*intensity)
         }
         LightKind::Directional { irradiance, .. } => PI * scene_radius2 * luminance(*irradiance),
+        LightKind::Profiled { intensity, profile, .. } => {
+            profile.steradians() as f32 * luminance(*intensity)
+        }
     }
 }
 

@@ -29,7 +29,7 @@ use crate::surface::{Frame, Surface};
 use glam::Vec3;
 use std::f32::consts::PI;
 use unrender_scene::color::luminance;
-use unrender_scene::{LightKind, Mesh, Rgb, Scene};
+use unrender_scene::{LightKind, Mesh, Reach, Rgb, Scene};
 
 /// The share of directions drawn from the lobes at the first two diffuse vertices of a path. With
 /// half of it caustics are sampled half as often, with double of it rare bright paths add more noise
@@ -213,15 +213,11 @@ impl Lamp {
         Self { source, centre, radius, power: PI * area * luminance(radiance), cone }
     }
 
-    /// A point or spot light; none for a directional one.
+    /// A light at a place; none for a directional one.
     fn at_point(kind: &LightKind, source: LightSource) -> Option<Self> {
-        let (centre, cone) = match *kind {
-            LightKind::Point { position, .. } => (position, Cone::SPHERE),
-            LightKind::Spot { position, direction, outer_rad, .. } => {
-                (position, Cone { axis: direction, cos: outer_rad.cos() })
-            }
-            LightKind::Directional { .. } => return None,
-        };
+        let Reach { position: centre, axis, angle_rad } = kind.reach()?;
+        let is_cone = axis != Vec3::ZERO;
+        let cone = if is_cone { Cone { axis, cos: angle_rad.cos() } } else { Cone::SPHERE };
         Some(Self { source, centre, radius: 0.0, power: emitters::power(kind, 0.0), cone })
     }
 

@@ -119,7 +119,7 @@ fn point_lights_are_lamps_and_spots_within_their_cone() {
         (0, LightKind::Directional { direction: Vec3::NEG_Y, irradiance: intensity }),
     ] {
         let mut scene = scene(vec![(quad(Vec3::ZERO, UP), 0.5, 0.0)]);
-        scene.lights.push(Light { name: String::new(), kind });
+        scene.lights.push(Light { name: String::new(), kind: kind.clone() });
         assert_eq!(pairs(&scene).len(), count, "{kind:?}");
     }
 }

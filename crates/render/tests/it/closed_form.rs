@@ -5,9 +5,9 @@
 
 use crate::common::{Estimate, Stage, assert_agree, camera, plate_corners, quad_mesh, settings};
 use glam::{DVec3, Vec3};
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use unrender_render::Settings;
-use unrender_scene::{Camera, LightKind, Material, Rgb, WardModel};
+use unrender_scene::{Camera, LightKind, LightProfile, Material, Photometry, Rgb, WardModel};
 
 const RHO: Rgb = Rgb::new(0.2, 0.5, 0.8);
 const BLACK: Rgb = Rgb::ZERO;
@@ -86,6 +86,12 @@ fn a_surface_whose_shading_normal_faces_away_is_as_bright_as_from_its_other_side
     }
 }
 
+/// A profile whose intensity is a line in the vertical angle times a line in the horizontal one, which halves it.
+fn quarter_profile() -> LightProfile {
+    let (vertical, horizontal) = (vec![0.0, 90.0], vec![0.0, 180.0]);
+    LightProfile::new(Photometry::C, vertical, horizontal, &[100.0, 0.0, 50.0, 0.0]).unwrap()
+}
+
 #[test]
 fn lights_without_a_surface_bring_their_irradiance() {
     let position = Vec3::new(0.5, 2.0, -1.0);
@@ -95,6 +101,13 @@ fn lights_without_a_surface_bring_their_irradiance() {
         LightKind::Point { position, intensity },
         LightKind::Spot { position, direction: down, intensity, inner_rad: 0.1, outer_rad: 0.6 },
         LightKind::Directional { direction: down, irradiance: intensity },
+        LightKind::Profiled {
+            position,
+            direction: Vec3::NEG_Y,
+            upright: Vec3::X,
+            intensity,
+            profile: quarter_profile(),
+        },
     ];
     let point = Vec3::new(0.3, 0.0, 0.2);
     let to_light = position - point;
@@ -102,12 +115,17 @@ fn lights_without_a_surface_bring_their_irradiance() {
     let fade = (cos_spot - 0.6f32.cos()) / (0.1f32.cos() - 0.6f32.cos());
     assert!(fade > 0.2 && fade < 0.9, "the test wants a point in the penumbra");
     let from_point = intensity * to_light.normalize().y / to_light.length_squared();
-    let irradiances = [from_point, from_point * fade * fade, intensity * -down.y];
+    // The profile falls off with the vertical angle, and more so towards a horizontal angle of 180 degrees.
+    let away = -to_light.normalize();
+    let (vertical, horizontal) = ((-away.y).acos(), away.z.atan2(away.x).abs());
+    let shape = (1.0 - vertical / FRAC_PI_2) * (1.0 - 0.5 * horizontal / PI);
+    let profiled = from_point * shape;
+    let irradiances = [from_point, from_point * fade * fade, intensity * -down.y, profiled];
     let mut all = floor(RHO);
     for (kind, irradiance) in kinds.into_iter().zip(irradiances) {
         let mut stage = floor(RHO);
-        stage.light(kind);
-        all.light(kind);
+        stage.light(kind.clone());
+        all.light(kind.clone());
         let found = seen_at(&stage, point, settings(16));
         assert_agree(
             &format!("{kind:?}"),
@@ -118,7 +136,7 @@ fn lights_without_a_surface_bring_their_irradiance() {
     }
     let sum: Rgb = irradiances.into_iter().sum();
     let found = seen_at(&all, point, settings(4096));
-    assert_agree("all three", found, Estimate::exactly(RHO * FRAC_1_PI * sum), 2e-3);
+    assert_agree("all of them", found, Estimate::exactly(RHO * FRAC_1_PI * sum), 2e-3);
 }
 
 #[test]

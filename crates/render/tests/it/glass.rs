@@ -205,7 +205,7 @@ fn lights_without_an_extent_shine_through_solid_glass() {
     let sun = LightKind::Directional { direction: Vec3::NEG_Y, irradiance: Rgb::ONE };
     let view = camera(Vec3::new(0.0, 0.8, 1.5), Vec3::ZERO, 0.3);
     for glass in [Glass::solid(IOR), Glass::pane(IOR)] {
-        let stage = floor_under(glass, Some(sun), 0.0);
+        let stage = floor_under(glass, Some(sun.clone()), 0.0);
         let found =
             Estimate::of_film(&stage.render(&view, 8, Settings { max_bounces: 1, ..settings(64) }));
         let r = fresnel(1.0, IOR);

@@ -9,14 +9,21 @@ use unrender_restage::repaint::{Paint, Repaint};
 use unrender_restage::{Edit, apply};
 use unrender_scene::{Glass, LightKind, Rgb, Scene, Ungrouped, UpAxis};
 
-const STILL: Alter = Alter { scale: Rgb::ONE, strength: None, shift: Vec3::ZERO, direction: None };
+const STILL: Alter = Alter {
+    scale: Rgb::ONE,
+    strength: None,
+    shift: Vec3::ZERO,
+    direction: None,
+    profile: None,
+    turn_rad: None,
+};
 
 fn remove(name: &str) -> Edit {
     Edit::Remove(Remove { name: name.into(), what: Bearer::Any })
 }
 
 fn light(name: &str, change: LightChange) -> Edit {
-    Edit::Light(LightEdit { name: name.into(), change })
+    Edit::Light(LightEdit { name: name.into(), change, photometric: None })
 }
 
 fn repaint(group: &str, paint: Paint) -> Edit {
@@ -245,7 +252,7 @@ fn places_far_away_are_those_of_the_world() {
         // The model may be far from its own zero, where it is put.
         insert.place = Place::At(at + place.as_dvec3() - midst);
         insert.model.origin = midst;
-        let light = light("bulb", LightChange::Add(bulb, at + place.as_dvec3()));
+        let light = light("bulb", LightChange::Add(bulb.clone(), at + place.as_dvec3()));
         [Edit::Insert(insert), light]
     };
     let mut near = model();
@@ -259,7 +266,7 @@ fn places_far_away_are_those_of_the_world() {
         let pairs = positions(&near).into_iter().zip(positions(&far));
         assert!(pairs.into_iter().all(|(a, b)| a.distance(b) < 1e-6));
         let [LightKind::Point { position: a, .. }, LightKind::Point { position: b, .. }] =
-            [&near, &far].map(|scene| scene.lights[0].kind)
+            [&near, &far].map(|scene| scene.lights[0].kind.clone())
         else {
             panic!("two bulbs")
         };

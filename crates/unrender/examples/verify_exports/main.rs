@@ -105,10 +105,10 @@ fn rows(
         size,
         light_units: LightUnits::Radiometric,
     };
-    let (files, _) = export::export(&shot, target)?;
-    let path = folder.path().join(if target == Target::Gltf { "scene.glb" } else { "scene" });
+    let path = folder.path().join(target.usual_name());
+    let (files, _) = export::export(&shot, target, &path)?;
     export::write(&path, target, &files)?;
-    let theirs = program.picture(&path, request.spp)?;
+    let theirs = program.picture(&path, size, request.spp)?;
     let ours = our_picture(scene, camera, size, OURS);
     Ok(table::rows(scene, &conversions, &compare(scene, camera, &ours, &theirs, LEAST_PIXELS)))
 }

@@ -224,6 +224,7 @@ fn small_light(subject: &Subject<'_>, light: &Light, seen: &[SurfacePoint]) -> F
         LightKind::Point { position, .. } => ("point light", Some(position)),
         LightKind::Spot { position, .. } => ("spot light", Some(position)),
         LightKind::Directional { .. } => ("directional light", None),
+        LightKind::Profiled { position, .. } => ("lamp", Some(position)),
     };
     let [low, high] = subject.bounds();
     let size = low.distance(high);

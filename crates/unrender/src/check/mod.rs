@@ -8,6 +8,7 @@ mod camera;
 mod coplanar;
 mod edges;
 mod finding;
+mod flux;
 mod glass;
 mod groups;
 mod identifiability;
@@ -24,8 +25,10 @@ pub(crate) mod uvs;
 
 pub use edges::{Edge, EdgeKind, Edges};
 pub use finding::{Finding, Gravity};
+pub use flux::lines as flux;
 pub use groups::GroupCheck;
 pub use picture::edge_picture;
+pub(crate) use picture::{drawn_over, white};
 pub use table::{json, table};
 
 use crate::Job;

@@ -27,22 +27,27 @@ const BLACK: Rgb = Rgb::ZERO;
 
 /// Draws `edges` over the photograph's linear values; the result is linear, 0 to 1.
 pub fn edge_picture(photo: &RgbImage, edges: &[Edge]) -> RgbImage {
-    let zoom = (COLUMNS / photo.width().max(1)).clamp(1, ENLARGED);
-    let white = white(photo);
-    let pale = photo.map(|value| paled(*value / white));
-    let (width, height) = (zoom * photo.width(), zoom * photo.height());
-    let mut picture = RgbImage::from_fn(width, height, |x, y| *pale.at(x / zoom, y / zoom));
     let of = |wanted: EdgeKind| edges.iter().filter(move |e| e.kind == wanted);
     // The most important is drawn last.
-    let layers: [(Vec<Vec2>, Rgb); 4] = [
+    let layers = [
         (of(EdgeKind::Unseen).map(|e| e.at).collect(), BLUE),
         (of(EdgeKind::Fits).map(|e| e.at).collect(), GREEN),
         (of(EdgeKind::Off).map(|e| e.at).collect(), RED),
         (edges.iter().filter_map(|e| e.there).collect(), YELLOW),
     ];
+    drawn_over(photo, &layers)
+}
+
+/// Draws layers of dots, pixels of the photograph with their sRGB colour, over its pale linear values.
+pub(crate) fn drawn_over(photo: &RgbImage, layers: &[(Vec<Vec2>, Rgb)]) -> RgbImage {
+    let zoom = (COLUMNS / photo.width().max(1)).clamp(1, ENLARGED);
+    let white = white(photo);
+    let pale = photo.map(|value| paled(*value / white));
+    let (width, height) = (zoom * photo.width(), zoom * photo.height());
+    let mut picture = RgbImage::from_fn(width, height, |x, y| *pale.at(x / zoom, y / zoom));
     let wider = (width as f32 / COLUMNS as f32).max(1.0);
     for (points, color) in layers {
-        for (radius, srgb) in [(BORDER, BLACK), (LINE, color)] {
+        for (radius, srgb) in [(BORDER, BLACK), (LINE, *color)] {
             let color = srgb.map(linear_from_srgb);
             points
                 .iter()
@@ -53,7 +58,7 @@ pub fn edge_picture(photo: &RgbImage, edges: &[Edge]) -> RgbImage {
 }
 
 /// The value that shows as white.
-fn white(photo: &RgbImage) -> f32 {
+pub(crate) fn white(photo: &RgbImage) -> f32 {
     let mut values: Vec<f32> = photo.pixels().iter().map(|v| v.max_element()).collect();
     if values.is_empty() {
         return 1.0;

@@ -1,4 +1,6 @@
-//! `unrender calibrate`: from measured points, or an fSpy project, to the camera of a photograph.
+//! `unrender calibrate`: from measured points, lines along axes, or an fSpy project, to the camera of a photograph.
+
+mod lines;
 
 use crate::global::Global;
 use crate::project::{CameraTable, Project};
@@ -7,12 +9,13 @@ use clap::ValueEnum;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use unrender_formats::gltf::to_glb;
 use unrender_formats::points::{self, Pair};
 use unrender_formats::{FileError, Input, Limits, atomic, fspy, input, picture};
-use unrender_photo::calibrate::{Focal, Request, calibrate, doubtful_pairs};
-use unrender_scene::{Lens, Warnings};
+use unrender_photo::calibrate::{Calibration, Focal, Request, calibrate, doubtful_pairs};
+use unrender_scene::{Lens, Picture, Warnings};
 
-/// Finds the camera of a photograph from points of the scene that it shows.
+/// Finds the camera of a photograph from points of the scene that it shows, or from lines along its axes.
 ///
 /// POINTS.csv has one line per point, below the header x_px,y_px,x_m,y_m,z_m,name: pixels of the
 /// upright photo ((0, 0) is its top left corner, the centre of the first pixel (0.5, 0.5)), then
@@ -22,11 +25,19 @@ use unrender_scene::{Lens, Warnings};
 /// Pose alone needs 4 pairs (--fov-y-deg), with the focal length 5, with the principal point or the
 /// distortion 6, with both 7; twice as many show which are wrong. Up to a third of the pairs may be
 /// wrong; these are left out.
+///
+/// LINES.csv has one line per straight edge that is parallel to an axis, below the header
+/// axis,x1_px,y1_px,x2_px,y2_px,length_m,name: x, y (upwards) or z, and both ends. Two lines each along two axes give
+/// focal length and direction; give more, long ones, that converge. The origin is the first end of the line with a
+/// length_m, in metres, which the camera's position follows from; --camera-height does as well. No model is needed:
+/// --out camera.glb is a new scene, of the camera and a square metre at the origin. --lines auto looks for the lines in the photo.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  \
     unrender calibrate room.jpg --scene room.glb --points desk.csv --out room.toml\n  \
     unrender calibrate --points desk.csv --distortion --out room.toml\n  \
     unrender calibrate room.jpg --scene room.glb --points desk.csv --out room_seen.glb\n  \
+    unrender calibrate room.jpg --lines auto --camera-height 1.6 --show-lines lines.png --out camera.glb\n  \
+    unrender calibrate room.jpg --lines lines.csv --out camera.glb\n  \
     unrender calibrate room.jpg --scene room.glb --fspy room.fspy --out room.toml")]
 pub struct Args {
     /// The photograph [default: that of the project in --out].
@@ -35,8 +46,20 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Points of the scene and where the photograph shows them.
-    #[arg(long, value_name = "FILE.csv", required_unless_present = "fspy")]
+    #[arg(long, value_name = "FILE.csv", required_unless_present_any = ["fspy", "lines"])]
     pub points: Option<PathBuf>,
+    /// Lines along the scene's axes, or "auto" to find them in the photo.
+    #[arg(long, value_name = "FILE.csv|auto", conflicts_with_all = ["points", "fspy", "distortion"])]
+    pub lines: Option<PathBuf>,
+    /// The camera's height above the origin, metres; the origin is below the camera.
+    #[arg(long, value_name = "M", requires = "lines")]
+    pub camera_height: Option<f64>,
+    /// Draw the lines over the photo: red along x, green along y, blue along z, yellow if rejected.
+    #[arg(long, value_name = "FILE.png", requires = "lines")]
+    pub show_lines: Option<PathBuf>,
+    /// Write the lines, such as those that were found, to correct them and give them to --lines.
+    #[arg(long, value_name = "FILE.csv", requires = "lines")]
+    pub save_lines: Option<PathBuf>,
     /// Take the camera of an fSpy project instead.
     #[arg(long, value_name = "FILE.fspy", conflicts_with_all = ["points", "principal_point", "distortion", "fov_y_deg", "seed"])]
     pub fspy: Option<PathBuf>,
@@ -93,21 +116,29 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
         return Err(lens_in_gltf(&args.out));
     }
     // An existing project or scene gets the camera; nothing else in it changes.
-    let inputs = [&args.points, &args.fspy, &args.photo];
-    output::check_inputs(&args.out, inputs.into_iter().flatten().map(PathBuf::as_path))?;
+    let inputs = [&args.points, &args.lines, &args.fspy, &args.photo];
+    let inputs = || inputs.into_iter().flatten().map(PathBuf::as_path);
+    output::check_inputs(&args.out, inputs())?;
+    lines::check_outputs(args, inputs())?;
     let target = target(args, global)?;
-    let (table, zero, origin, summary) = match (&args.fspy, &args.points) {
-        (Some(path), _) => from_fspy(args, path, global)?,
-        (None, Some(path)) => from_points(args, path, &target, global)?,
-        (None, None) => return Err(Error::Request("give --points or --fspy".into())),
+    let found = match (&args.fspy, &args.lines, &args.points) {
+        (Some(path), ..) => from_fspy(args, path, global)?,
+        (None, Some(path), _) => lines::from_lines(args, path, &target, global)?,
+        (None, None, Some(path)) => from_points(args, path, &target, global)?,
+        (None, None, None) => {
+            return Err(Error::Request("give --points, --lines or --fspy".into()));
+        }
     };
     let _until_written = interrupt::writing();
     if is_project {
-        write_project(args, &target, &table, &origin)?;
+        write_project(args, &target, &found)?;
     } else {
-        write_scene(args, &target, &table, zero, global.limits())?;
+        write_scene(args, &target, &found, global.limits())?;
     }
-    global.console.print(&summary);
+    for further in &found.further {
+        further.write()?;
+    }
+    global.console.print(&found.summary);
     Ok(ExitCode::SUCCESS)
 }
 
@@ -115,7 +146,9 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
 fn target(args: &Args, global: &Global) -> Result<Target, Error> {
     let mut target = Target { project: None, photo: args.photo.clone(), scene: args.scene.clone() };
     if output::extension(&args.out) != "toml" || !args.out.exists() {
-        if target.scene.is_none() {
+        // Of a scene that is not modelled yet, lines still give the camera.
+        let camera_alone = args.lines.is_some() && output::extension(&args.out) == "glb";
+        if target.scene.is_none() && !camera_alone {
             return Err(Error::Request(
                 "give the scene (--scene), or the project file that names it (--out)".into(),
             ));
@@ -148,8 +181,71 @@ fn target(args: &Args, global: &Global) -> Result<Target, Error> {
     Ok(target)
 }
 
-/// The camera, the origin of the scene's positions, the source of the camera in words, and a summary.
-type Found = (CameraTable, DVec3, String, String);
+/// A camera that was found.
+struct Found {
+    table: CameraTable,
+    /// The origin of the scene's positions.
+    zero: DVec3,
+    /// Where the camera comes from, in words.
+    origin: String,
+    summary: String,
+    /// What is written beside it.
+    further: Vec<lines::Further>,
+}
+
+/// A photograph whose pixels are measured.
+struct Measured {
+    picture: Picture,
+    /// Width and height, pixels.
+    size: (usize, usize),
+    /// The focal length of its EXIF data, pixels.
+    exif: Option<f64>,
+}
+
+impl Measured {
+    fn read(target: &Target, limits: Limits) -> Result<Self, Error> {
+        let Some(photo) = &target.photo else {
+            return Err(Error::Request("give the photo whose pixels are measured".into()));
+        };
+        let bytes = input::read(Input::new(photo, limits))
+            .map_err(|error| FileError::because(photo, "", error))?;
+        let (picture, _) = picture::read(Input::new(photo, limits))?;
+        let size = (picture.values.width(), picture.values.height());
+        Ok(Self { picture, size, exif: picture::exif_focal_px(&bytes, size.0, size.1) })
+    }
+
+    /// The camera of a calibration, with the warnings of it.
+    fn found(
+        &self,
+        mut found: Calibration,
+        zero: DVec3,
+        (all, what): (usize, &str),
+        path: &Path,
+        mut warnings: Warnings,
+        global: &Global,
+    ) -> Found {
+        warnings.extend(found.warnings.clone());
+        if let Some(exif) = self.exif {
+            warnings.extend(found.doubtful_exif(exif));
+        }
+        global.console.warn(&warnings);
+        let eye = found.camera("").origin();
+        let distance = eye.distance(DVec3::from_array(found.target).as_vec3());
+        let table = CameraTable::of(&found.camera("photo"), distance.max(0.1), zero);
+        for axis in 0..3 {
+            found.eye[axis].value += zero[axis];
+            found.target[axis] += zero[axis];
+        }
+        let origin = format!(
+            "from {}: {} of {all} {what}, {:.2} px rms.",
+            file_name(path),
+            all - found.rejected.len(),
+            found.rms_px
+        );
+        let summary = results::calibration(&found, all, what);
+        Found { table, zero, origin, summary, further: Vec::new() }
+    }
+}
 
 fn from_fspy(args: &Args, path: &Path, global: &Global) -> Result<Found, Error> {
     let up = args.fspy_up.map(|up| match up {
@@ -185,50 +281,25 @@ fn from_fspy(args: &Args, path: &Path, global: &Global) -> Result<Found, Error> 
          upwards\n",
         table.fov_y_deg
     );
-    Ok((table, DVec3::ZERO, format!("by fSpy: {}.", file_name(path)), summary))
+    let origin = format!("by fSpy: {}.", file_name(path));
+    Ok(Found { table, zero: DVec3::ZERO, origin, summary, further: Vec::new() })
 }
 
 fn from_points(args: &Args, path: &Path, target: &Target, global: &Global) -> Result<Found, Error> {
     let limits = global.limits();
-    let Some(photo) = &target.photo else {
-        return Err(Error::Request("give the photo whose pixels the points are in".into()));
-    };
-    let bytes = input::read(Input::new(photo, limits))
-        .map_err(|error| FileError::because(photo, "", error))?;
-    let (picture, _) = picture::read(Input::new(photo, limits))?;
-    let size = (picture.values.width(), picture.values.height());
+    let photo = Measured::read(target, limits)?;
     let mut pairs = points::read(path)?;
     let scene = target.scene.as_deref().map(|s| Input::new(s, limits));
-    let (mut warnings, zero) = doubtful_points(&mut pairs, size, scene)?;
-    let exif = picture::exif_focal_px(&bytes, size.0, size.1);
+    let (warnings, zero) = doubtful_points(&mut pairs, photo.size, scene)?;
     let request = Request {
-        focal: focal(args.fov_y_deg, exif, size.1)?,
+        focal: focal(args.fov_y_deg, photo.exif, photo.size.1)?,
         principal_point: args.principal_point,
         distortion: args.distortion,
         seed: args.seed,
     };
-    let mut found = calibrate(&pairs, size, &request)
+    let found = calibrate(&pairs, photo.size, &request)
         .map_err(|problem| Error::Calibrate { path: path.to_owned(), problem })?;
-    warnings.extend(found.warnings.clone());
-    if let Some(exif) = exif {
-        warnings.extend(found.doubtful_exif(exif));
-    }
-    global.console.warn(&warnings);
-    let eye = found.camera("").origin();
-    let distance = eye.distance(DVec3::from_array(found.target).as_vec3());
-    let table = CameraTable::of(&found.camera("photo"), distance.max(0.1), zero);
-    for axis in 0..3 {
-        found.eye[axis].value += zero[axis];
-        found.target[axis] += zero[axis];
-    }
-    let origin = format!(
-        "from {}: {} of {} pairs, {:.2} px rms.",
-        file_name(path),
-        pairs.len() - found.rejected.len(),
-        pairs.len(),
-        found.rms_px
-    );
-    Ok((table, zero, origin, results::calibration(&found, pairs.len())))
+    Ok(photo.found(found, zero, (pairs.len(), "pairs"), path, warnings, global))
 }
 
 fn focal(fov_y_deg: Option<f64>, exif: Option<f64>, height: usize) -> Result<Focal, Error> {
@@ -270,12 +341,7 @@ fn doubtful_points(
     }
 }
 
-fn write_project(
-    args: &Args,
-    target: &Target,
-    table: &CameraTable,
-    origin: &str,
-) -> Result<(), Error> {
+fn write_project(args: &Args, target: &Target, found: &Found) -> Result<(), Error> {
     let text = match (&target.project, &target.photo, &target.scene) {
         (Some(text), ..) => text.clone(),
         (None, Some(photo), Some(scene)) => {
@@ -292,27 +358,22 @@ fn write_project(
             )));
         }
     };
-    let text = table.put_into(&text, &args.out, origin)?;
+    let text = found.table.put_into(&text, &args.out, &found.origin)?;
     Project::parse(&args.out, &text)?;
     atomic::write(&args.out, text.as_bytes())?;
     Ok(())
 }
 
-fn write_scene(
-    args: &Args,
-    target: &Target,
-    table: &CameraTable,
-    zero: DVec3,
-    limits: Limits,
-) -> Result<(), Error> {
-    let Some(scene) = &target.scene else {
-        return Err(Error::Request("give the scene (--scene)".into()));
-    };
-    if table.lens != Lens::default() {
+fn write_scene(args: &Args, target: &Target, found: &Found, limits: Limits) -> Result<(), Error> {
+    if found.table.lens != Lens::default() {
         return Err(lens_in_gltf(&args.out));
     }
-    let camera = table.camera(&args.name, zero);
-    let placed = unrender_formats::place(Input::new(scene, limits), &camera, zero)?;
+    let camera = found.table.camera(&args.name, found.zero);
+    let placed = match &target.scene {
+        Some(scene) => unrender_formats::place(Input::new(scene, limits), &camera, found.zero)?,
+        None => to_glb(&lines::begun(camera))
+            .map_err(|error| FileError::because(&args.out, "", error))?,
+    };
     atomic::write(&args.out, &placed)?;
     Ok(())
 }

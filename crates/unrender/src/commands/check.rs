@@ -1,6 +1,6 @@
 //! `unrender check`: finds what would spoil the recovery of a project.
 
-use crate::check::{Checkup, check, edge_picture, json, table};
+use crate::check::{Checkup, check, edge_picture, flux, json, table};
 use crate::global::Global;
 use crate::{Error, Job, Project, interrupt, output};
 use serde_json::Value;
@@ -86,7 +86,8 @@ fn text(args: &Args, job: &Job, checked: &[(PathBuf, Checkup, RgbImage)]) -> Res
             };
             format!("{heading}{}", table(checkup, path))
         };
-        return Ok(checked.iter().enumerate().map(one).collect());
+        let tables: String = checked.iter().enumerate().map(one).collect();
+        return Ok(tables + &flux(job));
     }
     as_json(checked)
         .map(|text| text + "\n")

@@ -9,7 +9,7 @@ use crate::{Error, interrupt, job, output, result_folder};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::export::{self, SceneView, Target};
-use unrender_formats::{Input, LightUnits, Limits, gltf, materials};
+use unrender_formats::{Input, LightUnits, Limits, gltf, material_file};
 use unrender_scene::{Camera, Environment, Group, Material, Scene, WardModel, Warnings};
 
 /// Writes a scene and its materials for another program.
@@ -21,6 +21,7 @@ use unrender_scene::{Camera, Environment, Group, Material, Scene, WardModel, War
 #[command(after_help = "Examples:\n  \
     unrender export result --to blender --out room_blender\n  \
     unrender export result --to gltf --out room.glb\n  \
+    unrender export result --to usd --out room.usdz\n  \
     unrender export result --to mitsuba --camera door --height 1080 --out room_mitsuba\n  \
     unrender export --scene room.glb --materials truth.json --to radiance --out room_radiance\n  \
     unrender export --scene room.glb --environment 'sky.exr: rotation_deg = 90' --to pbrt --out room_pbrt")]
@@ -32,7 +33,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     pub scene: Option<PathBuf>,
     /// Materials to apply to the scene's groups: a file, or a folder with the results of `recover`.
-    #[arg(long, value_name = "FILE.json|DIR", requires = "scene")]
+    #[arg(long, value_name = "FILE.json|FILE.mtlx|DIR", requires = "scene")]
     pub materials: Option<PathBuf>,
     /// The units of a glTF file's lights: blender-standard, unitless, blender-raw or radiometric
     /// [default: as its generator writes them].
@@ -42,10 +43,11 @@ pub struct Args {
     /// 'FILE.exr: rotation_deg = 90, scale = 0.5'.
     #[arg(long, value_name = "EDIT")]
     pub environment: Option<String>,
-    /// What to write: blender, gltf, materialx, mitsuba, pbrt or radiance.
+    /// What to write: blender, gltf, materialx, mitsuba, pbrt, radiance or usd.
     #[arg(long, value_name = "FORMAT")]
     pub to: Target,
-    /// The folder to write, or for gltf the .glb file.
+    /// The folder to write; for gltf the .glb file, for usd the .usda, .usdc or .usdz file. Pictures of FILE.usda and
+    /// FILE.usdc go into the folder FILE_textures beside it.
     #[arg(long, value_name = "PATH")]
     pub out: PathBuf,
     /// The camera's name [default: the photograph's, else the scene's first].
@@ -86,7 +88,7 @@ pub fn run(args: &Args, global: &Global) -> Result<ExitCode, Error> {
     let materials: Vec<Material> = conversions.into_iter().map(|c| c.material).collect();
     let shot =
         SceneView { scene: &scene, materials: &materials, camera: &camera, size, light_units };
-    let (files, noted) = export::export(&shot, args.to)
+    let (files, noted) = export::export(&shot, args.to, &args.out)
         .map_err(|problem| Error::Request(format!("the scene cannot be exported: {problem}")))?;
     doubts.extend(noted);
     global.console.warn(&doubts);
@@ -212,7 +214,7 @@ fn scene(args: &Args, global: &Global, path: &Path) -> Result<(Scene, Warnings),
     let own = scene.environment.take();
     scene.environment = around.environment.map(|around| around.with_up(up)).or(own);
     if let Some(materials) = materials {
-        warnings.extend(materials::apply_from(Input::new(&materials, limits), &mut scene)?);
+        warnings.extend(material_file::apply(Input::new(&materials, limits), &mut scene)?);
     }
     if let Some((environment, noted)) = stated {
         scene.environment = environment.map(|around| around.with_up(up));

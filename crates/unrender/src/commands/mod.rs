@@ -7,6 +7,7 @@ pub mod completions;
 pub mod encoding;
 pub mod export;
 pub mod farm;
+pub mod fit_brdf;
 pub mod init;
 pub mod man;
 pub mod merge;

@@ -11,7 +11,7 @@ use crate::{Error, Project, interrupt, job, output, result_folder};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use unrender_formats::{Input, LightUnits, Limits, materials, picture};
+use unrender_formats::{Input, LightUnits, Limits, material_file, picture};
 use unrender_render::Accumulator;
 use unrender_render::denoise::Denoised;
 use unrender_scene::{Camera, Rgb, RgbImage, Scene, Warnings};
@@ -49,7 +49,7 @@ pub struct Args {
     #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     pub photo: Option<u32>,
     /// Materials to apply to the scene's groups: a file, or a folder with the results of `recover`.
-    #[arg(long, value_name = "FILE.json|DIR")]
+    #[arg(long, value_name = "FILE.json|FILE.mtlx|DIR")]
     pub materials: Option<PathBuf>,
     /// The units of a glTF file's lights: blender-standard, unitless, blender-raw or radiometric
     /// [default: as its generator writes them].
@@ -349,7 +349,7 @@ fn load(args: &Args, given: InMemory<'_>, limits: Limits) -> Result<Loaded, Erro
     };
     if let Some(path) = &args.materials {
         let path = result_folder::materials(path)?;
-        warnings.extend(materials::apply_from(Input::new(&path, limits), &mut scene)?);
+        warnings.extend(material_file::apply(Input::new(&path, limits), &mut scene)?);
     }
     if let Some(put) = given.materials {
         warnings.extend(put(&mut scene)?);

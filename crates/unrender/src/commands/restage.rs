@@ -67,7 +67,7 @@ pub struct Args {
     #[arg(long, value_name = "UNITS")]
     pub light_units: Option<LightUnits>,
     /// Materials to apply to the scene's groups: a file, or a folder with the results of `recover`.
-    #[arg(long, value_name = "FILE.json|DIR")]
+    #[arg(long, value_name = "FILE.json|FILE.mtlx|DIR")]
     pub materials: Option<String>,
     /// Remove an object or all objects of a group.
     #[arg(long, value_name = "NAME")]

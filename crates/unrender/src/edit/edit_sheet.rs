@@ -205,7 +205,8 @@ impl EditSheet {
         let materials = raw.insert.iter().flat_map(|insert| &insert.get_ref().material);
         let painted = raw.repaint.iter().map(|repaint| repaint.get_ref()).chain(materials);
         let painted = painted.filter_map(|paint| paint.texture.as_ref());
-        let named = stated.chain(inserted).chain(around).chain(painted);
+        let profiles = raw.lights.iter().filter_map(|light| light.get_ref().profile.as_ref());
+        let named = stated.chain(inserted).chain(around).chain(painted).chain(profiles);
         named.map(|path| self.written.path(path)).chain(self.written.file()).collect()
     }
 }
@@ -213,7 +214,7 @@ impl EditSheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use unrender_scene::{Light, Rgb};
+    use unrender_scene::{Light, Rgb, Warnings};
 
     #[test]
     fn lights_are_switched_by_one_word() {
@@ -226,7 +227,8 @@ mod tests {
         assert!(EditSheet::of_flag(Flag::Repaint, "floor: off").is_err());
         let of_light = |body: &str| {
             let sheet = EditSheet::of_flag(Flag::Light, &format!("bulb: {body}")).unwrap();
-            sheet.raw.lights[0].get_ref().edit()
+            let light = sheet.raw.lights[0].get_ref();
+            light.edit(&Path::to_path_buf, Limits::default(), &mut Warnings::default())
         };
         assert_eq!(of_light("off").unwrap(), of_light("scale = 0").unwrap());
         assert_eq!(of_light("on").unwrap(), of_light("scale = 1").unwrap());
@@ -240,7 +242,7 @@ mod tests {
     fn named(names: &[&str], value: &str) -> String {
         let kind =
             unrender_scene::LightKind::Point { position: glam::Vec3::ZERO, intensity: Rgb::ONE };
-        let light = |name: &&str| Light { name: (*name).to_owned(), kind };
+        let light = |name: &&str| Light { name: (*name).to_owned(), kind: kind.clone() };
         let scene = Scene { lights: names.iter().map(light).collect(), ..Scene::default() };
         let sheet = EditSheet::of_flag(Flag::Light, value).unwrap().with_names_of(&scene).unwrap();
         sheet.raw.lights[0].get_ref().name.clone()

@@ -30,7 +30,9 @@ pub(super) fn all(
         })?;
     }
     for sheet in sheets {
-        collect(sheet, &sheet.raw.lights, &mut edits, &mut |raw| light(raw, start))?;
+        collect(sheet, &sheet.raw.lights, &mut edits, &mut |raw| {
+            light(raw, start, &sheet.written, &mut notes)
+        })?;
     }
     for sheet in sheets {
         collect(sheet, sheet.raw.environment.as_slice(), &mut edits, &mut |raw| {
@@ -63,18 +65,23 @@ fn collect<T>(
 }
 
 /// None if it switches a light off that is off.
-fn light(raw: &RawLight, start: &Start) -> Result<Option<Edit>, String> {
+fn light(
+    raw: &RawLight,
+    start: &Start,
+    written: &Written,
+    notes: &mut Warnings,
+) -> Result<Option<Edit>, String> {
     if raw.unknown.is_some() {
         return Err(
             "unknown is a key of project files only, where brightness can be recovered".into()
         );
     }
-    if raw.color.is_some() || raw.same_color_as.is_some() {
+    if raw.color.is_some() && !raw.is_photometric() || raw.same_color_as.is_some() {
         return Err("color and same_color_as are keys of project files, for unknown lights; \
-                    strength = [r, g, b] gives a light its colour"
+                    strength = [r, g, b] gives a light its colour, and color beside lumens, candela, lux or a profile"
             .into());
     }
-    let edit = raw.edit()?;
+    let edit = raw.edit(&|file| written.path(file), written.limits, notes)?;
     let is_off = raw.on == Some(false) && start.switched_off(&raw.name).is_some();
     Ok((!is_off).then_some(Edit::Light(edit)))
 }

@@ -8,7 +8,7 @@ use crate::result_folder::MATERIALS;
 use crate::{Error, Job, Project, job, result_folder, run, up_axis};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
-use unrender_formats::{FileError, Input, Limits, materials};
+use unrender_formats::{FileError, Input, Limits, material_file};
 use unrender_photo::Exposure;
 use unrender_scene::{Camera, Environment, Rgb, Scene, UpAxis, Warnings};
 
@@ -146,7 +146,7 @@ impl Start {
         scene.environment = around.or(scene.environment.take());
         if let Some(materials) = materials {
             let materials = Input::new(materials, limits);
-            warnings.extend(materials::apply_from(materials, &mut scene)?);
+            warnings.extend(material_file::apply(materials, &mut scene)?);
         }
         warnings.extend(job::validate_meshes(&mut scene, path)?);
         Ok((Self { scene, path: path.to_owned(), photograph: None, off: Vec::new() }, warnings))
@@ -172,8 +172,8 @@ impl Start {
         let mut found = None;
         if let Some(materials) = materials {
             let input = Input::new(materials, project.limits);
-            warnings.extend(materials::apply_from(input, &mut scene)?);
-            found = materials::read(input)?.exposure.map(Rgb::from_array);
+            warnings.extend(material_file::apply(input, &mut scene)?);
+            found = material_file::exposure(input)?;
         }
         let mut switched = Vec::new();
         for source in off.into_iter().map(|source| source as usize) {

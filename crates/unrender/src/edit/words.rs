@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use unrender_restage::Edit;
 use unrender_restage::insert::{Insert, Place};
-use unrender_restage::light::{Alter, LightChange, LightEdit};
+use unrender_restage::light::{Alter, LightChange, LightEdit, Photometric, PhotometricUnit};
 use unrender_restage::remove::{Bearer, Remove};
 use unrender_restage::repaint::{Paint, Repaint};
 use unrender_scene::Rgb;
@@ -68,19 +68,34 @@ fn values(of: Rgb) -> String {
     format!("[{r}, {g}, {b}]")
 }
 
-fn lit(LightEdit { name, change }: &LightEdit) -> String {
+fn lit(LightEdit { name, change, photometric }: &LightEdit) -> String {
     match change {
         LightChange::Remove => format!("Removed the light {name}."),
         LightChange::Add(..) => format!("Added the light {name}."),
         LightChange::Alter(alter) if alter.scale == Rgb::ZERO => {
             format!("Switched the light {name} off.")
         }
-        LightChange::Alter(alter) => format!("Changed the light {name}: {}.", altered(alter)),
+        LightChange::Alter(alter) => {
+            format!("Changed the light {name}: {}.", altered(alter, photometric.as_ref()))
+        }
     }
 }
 
-fn altered(alter: &Alter) -> String {
+fn altered(alter: &Alter, photometric: Option<&Photometric>) -> String {
     let mut parts = Vec::new();
+    if alter.profile.is_some() {
+        parts.push("a photometric profile".to_owned());
+    }
+    if let Some(Photometric { unit, value, scale }) = photometric {
+        let unit = match unit {
+            PhotometricUnit::Lumens => "lm",
+            PhotometricUnit::Candela => "cd",
+            PhotometricUnit::Lux => "lx",
+        };
+        let times =
+            if *scale == Rgb::ONE { String::new() } else { format!(" times {}", values(*scale)) };
+        parts.push(format!("{value} {unit}{times}"));
+    }
     if let Some(strength) = alter.strength {
         parts.push(format!("strength {}", values(strength)));
     }
@@ -93,7 +108,7 @@ fn altered(alter: &Alter) -> String {
         let [x, y, z] = alter.shift.to_array();
         parts.push(format!("moved by [{x}, {y}, {z}] m"));
     }
-    if alter.direction.is_some() {
+    if alter.direction.is_some() || alter.turn_rad.is_some() {
         parts.push("turned".to_owned());
     }
     if parts.is_empty() { "as it was".to_owned() } else { parts.join(", ") }
@@ -126,13 +141,20 @@ mod tests {
     fn edits_read_as_sentences() {
         let paint =
             Paint { rho_d: Some(Rgb::new(0.5, 0.1, 0.1)), alpha_x: Some(0.2), ..Paint::default() };
-        let dimmed =
-            Alter { scale: Rgb::splat(0.5), strength: None, shift: Vec3::Y, direction: None };
-        let light = |change| Edit::Light(LightEdit { name: "lamp".into(), change });
+        let dimmed = Alter {
+            scale: Rgb::splat(0.5),
+            strength: None,
+            shift: Vec3::Y,
+            direction: None,
+            profile: None,
+            turn_rad: None,
+        };
+        let light =
+            |change| Edit::Light(LightEdit { name: "lamp".into(), change, photometric: None });
         let edits = [
             Edit::Remove(Remove { name: "sofa".into(), what: Bearer::Group }),
             Edit::Repaint(Repaint { group: "floor".into(), paint }),
-            light(LightChange::Alter(dimmed)),
+            light(LightChange::Alter(dimmed.clone())),
             light(LightChange::Alter(Alter { scale: Rgb::ZERO, ..dimmed })),
             Edit::Surround(Surround { environment: None }),
         ];

@@ -37,10 +37,14 @@ pub(super) fn colors(list: &[RawLight]) -> Result<BTreeMap<String, LightColor>, 
                 return Err(format!("lights.{name}: give color or same_color_as, not both"));
             }
         };
+        if raw.unknown != Some(true) && raw.is_photometric() && raw.same_color_as.is_none() {
+            continue;
+        }
         if raw.unknown != Some(true) {
             return Err(format!(
                 "lights.{name}: color and same_color_as are for lights with unknown = true; \
-                 strength states colour and brightness of a known one"
+                 strength states colour and brightness of a known one, and color belongs to lumens, \
+                 candela, lux or a profile"
             ));
         }
         if color == LightColor::Stated(Rgb::ZERO) {
@@ -91,8 +95,11 @@ impl Project {
 
     /// Whether the lights of the project differ from the scene's in more than their brightness.
     pub(crate) fn rebuilds_lights(&self) -> bool {
-        self.light_edits.iter().any(|edit| match edit.change {
-            LightChange::Alter(alter) => alter.shift != Vec3::ZERO || alter.direction.is_some(),
+        self.light_edits.iter().any(|edit| match &edit.change {
+            LightChange::Alter(alter) => {
+                let is_turned = alter.direction.is_some() || alter.turn_rad.is_some();
+                alter.shift != Vec3::ZERO || is_turned || alter.profile.is_some()
+            }
             LightChange::Add(..) | LightChange::Remove => true,
         })
     }
@@ -221,8 +228,7 @@ fn settle_scale(project: &mut Project, scene: &Scene) -> Result<Warnings, String
         // Ignored groups fix nothing.
         let known = project.known.iter().filter(|(name, _)| !project.ignored.contains(*name));
         let known = known.filter(|(name, _)| reflects(scene, name));
-        let reflecting =
-            channels(known.map(|(_, known)| known.rho_d + known.rho_s.unwrap_or(Rgb::ZERO)));
+        let reflecting = channels(known.map(|(_, known)| known.reflecting()));
         let loose: [bool; 3] = std::array::from_fn(|c| open[c] && !reflecting[c]);
         // If all colours are known, a known channel fixes all.
         let mut unknown = project.unknown_lights.iter();

@@ -7,6 +7,7 @@ mod calibrated;
 mod camera;
 mod camera_choice;
 mod expected;
+mod known;
 mod lights;
 mod like;
 mod parse;
@@ -19,6 +20,7 @@ mod values;
 pub(crate) use calibrated::{Found, Photographed};
 pub use camera::{CameraTable, Stand};
 pub use camera_choice::{CalibratedCamera, CameraChoice, CameraFile};
+pub use known::{Known, KnownFile};
 pub use lights::LightColor;
 pub use like::LikeGroup;
 pub(crate) use photograph::seconds;
@@ -31,12 +33,11 @@ use crate::text_file;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use unrender_formats::materials::ReflectanceEntry;
 use unrender_formats::{FileError, Input, LightUnits, Limits};
 use unrender_photo::Exposure;
 use unrender_recover::{Expected, Thresholds};
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, Hypothesis, Layering, Material, Rgb, Scene, UpAxis, Warnings};
+use unrender_scene::{BrdfModel, Hypothesis, Layering, Rgb, Scene, UpAxis, Warnings};
 
 /// A project file with absolute paths and checked numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,6 +78,8 @@ pub struct Project {
     pub light_colors: BTreeMap<String, LightColor>,
     /// The lights that are added, changed or removed.
     pub light_edits: Vec<LightEdit>,
+    /// The IES files of these lights.
+    pub light_profiles: Vec<PathBuf>,
     /// The environment, if the project states it.
     pub environment: Option<EnvironmentChoice>,
     /// The BRDF model to recover, if the project states it; else it is the scene's.
@@ -118,38 +121,6 @@ pub struct Anchor {
     pub group: String,
     /// Its diffuse reflectance.
     pub rho_d: Rgb,
-}
-
-/// A known material in the project; parts that are left out do not exist: no texture, no lobe.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Known {
-    /// Diffuse reflectance.
-    pub rho_d: Rgb,
-    /// Specular reflectance; none if it is not stated.
-    pub rho_s: Option<Rgb>,
-    /// What `rho_s` means.
-    #[serde(with = "crate::as_json")]
-    pub reflectance: ReflectanceEntry,
-    /// Roughness along the anisotropy direction.
-    pub alpha_x: f32,
-    /// Roughness across it.
-    pub alpha_y: f32,
-    /// Anisotropy direction, radians from the surface's tangent.
-    pub theta_rad: f32,
-}
-
-impl Known {
-    /// The material in a scene of the BRDF `model`.
-    ///
-    /// # Errors
-    /// If the model knows no such reflectance.
-    pub fn material(&self, model: BrdfModel) -> Result<Material, String> {
-        let Self { rho_d, rho_s, alpha_x, alpha_y, theta_rad, .. } = *self;
-        let shape = Material { alpha_x, alpha_y, theta_rad, ..Material::diffuse(rho_d) };
-        let mut material = Material { rho_s: rho_s.unwrap_or(Rgb::ZERO), ..shape };
-        self.reflectance.apply(rho_s.is_some(), model, &mut material)?;
-        Ok(material)
-    }
 }
 
 impl Project {
@@ -218,8 +189,12 @@ impl Project {
             let of = (taken.photo.as_path(), &taken.bracket, &taken.mask);
             files_of(of, &taken.response, &taken.camera)
         });
+        let known = self.known.values().filter_map(|known| known.file.as_ref());
+        let known = known.map(|file| ("known", file.path()));
         let always = std::iter::once(("scene", self.scene.as_path()));
-        let mut files: Vec<_> = always.chain(first).chain(panorama).collect();
+        let profiles = self.light_profiles.iter().map(|file| ("lights.profile", file.as_path()));
+        let further_of = panorama.into_iter().chain(profiles).chain(known);
+        let mut files: Vec<_> = always.chain(first).chain(further_of).collect();
         for file in further {
             // A file may be named for several photographs.
             if !files.contains(&file) {

@@ -1,20 +1,18 @@
 //! Converts the raw project to a checked one; every error names its key.
 
-use super::raw::{RawAnchor, RawGroup, RawKnown, RawProject};
+use super::raw::{RawAnchor, RawGroup, RawProject};
 use super::values::reflectance;
-use super::{Anchor, Known, Project, expected, lights, like, rungs, taken};
+use super::{Anchor, Project, expected, known, lights, like, rungs, taken};
 use crate::lighting::RawLight;
 use crate::up_axis;
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
-use toml::Value;
-use unrender_formats::materials::ReflectanceEntry;
+use std::path::{Path, PathBuf};
 use unrender_formats::{LightUnits, Limits};
 use unrender_paper::Paper;
 use unrender_photo::Exposure;
 use unrender_recover::Thresholds;
 use unrender_restage::light::LightEdit;
-use unrender_scene::{BrdfModel, ENVIRONMENT, Hypothesis, Layering, Rgb, Warnings};
+use unrender_scene::{BrdfModel, ENVIRONMENT, Hypothesis, Layering, Warnings};
 
 pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), String> {
     let raw: RawProject = toml::from_str(text).map_err(|error| with_line(&error, text))?;
@@ -75,12 +73,13 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<(Project, Warnings), Stri
         switched: first.switched,
         further: taken,
         anchor,
-        known: all_known(&raw.groups)?,
+        known: known::all(&raw.groups, folder)?,
         ignored,
         unknown_lights: named_lights(true),
         known_lights: named_lights(false),
         light_colors: lights::colors(&raw.lights.list)?,
-        light_edits: light_edits(&raw.lights.list)?,
+        light_edits: light_edits(&raw.lights.list, folder, &mut warnings)?,
+        light_profiles: light_profiles(&raw.lights.list, folder),
         environment: environment.transpose()?,
         brdf,
         layering,
@@ -127,15 +126,6 @@ fn hint_of_lights(message: &str, line: &str) -> Option<&'static str> {
         "; lights are a list [[lights]] or tables [lights.NAME], not both in one file: write the table as an entry of \
          the list, [[lights]] with name = \"NAME\" and unknown = true",
     )
-}
-
-/// The materials that are stated, by the names of their groups.
-fn all_known(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, Known>, String> {
-    let stated = groups.iter().filter_map(|(name, group)| Some((name, group.known.as_ref()?)));
-    let read = |(name, raw): (&String, &RawKnown)| {
-        Ok((name.clone(), known(&format!("groups.{name}.known"), raw)?))
-    };
-    stated.map(read).collect()
 }
 
 /// The hypotheses of groups that state their own.
@@ -211,8 +201,17 @@ fn same_as(groups: &BTreeMap<String, RawGroup>) -> Result<BTreeMap<String, Strin
     Ok(same_as)
 }
 
+/// The IES files of the lights.
+fn light_profiles(list: &[RawLight], folder: &Path) -> Vec<PathBuf> {
+    list.iter().filter_map(|light| light.profile.as_ref()).map(|file| folder.join(file)).collect()
+}
+
 /// The changes of the scene's lights, each light once.
-fn light_edits(list: &[RawLight]) -> Result<Vec<LightEdit>, String> {
+fn light_edits(
+    list: &[RawLight],
+    folder: &Path,
+    warnings: &mut Warnings,
+) -> Result<Vec<LightEdit>, String> {
     let mut edits: Vec<LightEdit> = Vec::new();
     for raw in list {
         let name = &raw.name;
@@ -228,7 +227,8 @@ fn light_edits(list: &[RawLight]) -> Result<Vec<LightEdit>, String> {
         if raw.remove && raw.unknown.is_some() {
             return Err(fault("a light that is removed has no brightness; leave out unknown"));
         }
-        edits.push(raw.edit().map_err(|problem| fault(&problem))?);
+        let edit = raw.edit(&|file| folder.join(file), Limits::default(), warnings);
+        edits.push(edit.map_err(|problem| fault(&problem))?);
     }
     Ok(edits)
 }
@@ -239,46 +239,6 @@ fn anchor(raw: &RawAnchor) -> Result<Anchor, String> {
         return Err("anchor.rho_d: a channel is zero, which cannot fix the scale".into());
     }
     Ok(Anchor { group: raw.group.clone(), rho_d })
-}
-
-fn known(key: &str, raw: &RawKnown) -> Result<Known, String> {
-    if raw.rho_d.is_none() && raw.rho_s.is_none() {
-        return Err(format!("{key}: give rho_d or rho_s or both"));
-    }
-    let rho = |name: &str, value: &Option<Value>| {
-        value.as_ref().map(|value| reflectance(&format!("{key}.{name}"), value)).transpose()
-    };
-    let alpha_x = raw.alpha_x.or(raw.alpha_y).unwrap_or(0.0);
-    let alpha_y = raw.alpha_y.unwrap_or(alpha_x);
-    for (name, alpha) in [("alpha_x", alpha_x), ("alpha_y", alpha_y)] {
-        if !(alpha.is_finite() && alpha >= 0.0) {
-            return Err(format!("{key}.{name} is {alpha}; a roughness is zero or positive"));
-        }
-    }
-    if (alpha_x > 0.0) != (alpha_y > 0.0) {
-        return Err(format!("{key}: alpha_x and alpha_y are both positive or both zero"));
-    }
-    let theta_deg = raw.theta_deg.unwrap_or(0.0);
-    if !theta_deg.is_finite() {
-        return Err(format!("{key}.theta_deg is {theta_deg}; give an angle in degrees"));
-    }
-    let known = Known {
-        rho_d: rho("rho_d", &raw.rho_d)?.unwrap_or(Rgb::ZERO),
-        rho_s: rho("rho_s", &raw.rho_s)?,
-        reflectance: ReflectanceEntry {
-            reflectance: raw.reflectance.clone(),
-            ior: raw.ior,
-            layering: raw.layering.clone(),
-            multiscatter: raw.multiscatter,
-        },
-        alpha_x,
-        alpha_y,
-        theta_rad: theta_deg.to_radians(),
-    };
-    // Whatever the scene's model is, some model has to know it.
-    let any = BrdfModel::Principled(Layering::default());
-    known.material(any).map_err(|problem| format!("{key}: {problem}"))?;
-    Ok(known)
 }
 
 /// The table `[recover] thresholds`: those of the default ladder by their names, and those of the paper's by the rung that

@@ -274,6 +274,9 @@ impl<'de> Visitor<'de> for LightsVisitor {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RawKnown {
+    pub(super) materialx: Option<PathBuf>,
+    pub(super) material: Option<String>,
+    pub(super) measured: Option<PathBuf>,
     pub(super) rho_d: Option<Value>,
     pub(super) rho_s: Option<Value>,
     pub(super) reflectance: Option<String>,

@@ -4,8 +4,8 @@
 use crate::text_table::table;
 use unrender_photo::calibrate::{Calibration, Estimate};
 
-/// The table; `pairs` is how many pairs there were.
-pub(crate) fn calibration(calibration: &Calibration, pairs: usize) -> String {
+/// The table; `all` is how many pairs or lines, `what`, there were.
+pub(crate) fn calibration(calibration: &Calibration, all: usize, what: &str) -> String {
     let [x, y, z] = calibration.eye;
     let [right, down] = calibration.principal_point_px;
     let numbers = [
@@ -31,8 +31,8 @@ pub(crate) fn calibration(calibration: &Calibration, pairs: usize) -> String {
     let mut text = table(&rows);
     let out = &calibration.rejected;
     text.push_str(&format!(
-        "{} of {pairs} pairs, {:.2} px rms ({:.2} px in each coordinate)\n",
-        pairs - out.len(),
+        "{} of {all} {what}, {:.2} px rms ({:.2} px in each coordinate)\n",
+        all - out.len(),
         calibration.rms_px,
         calibration.sigma_px
     ));

@@ -65,7 +65,7 @@ fn is_as_bright(program: &Program, (from, name): (&str, &str), (spp, limit): (u3
     assert_eq!(warnings.0.len(), told.len(), "{name}: {warnings:?}");
     let camera = &scene.cameras[0];
     folder.write("render.sh", RENDER);
-    let theirs = program.picture(folder.root(), spp).unwrap();
+    let theirs = program.picture(folder.root(), SIZE, spp).unwrap();
     let ours = our_picture(&scene, camera, SIZE, spp);
     let rows = compare(&scene, camera, &ours, &theirs, LEAST);
     let approximated = said(&text, "approximated: ");

@@ -12,5 +12,6 @@ mod blender_room;
 mod browser;
 mod farm;
 mod measured;
+mod profiles;
 mod renderers;
 mod validators;

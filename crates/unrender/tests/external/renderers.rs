@@ -16,7 +16,7 @@ fn renders_alike(scene: &Scene, target: Target, spp: u32, limit: impl Fn(&Scene,
     let Some(program) = need(Program::installed(target)) else { return };
     let camera = camera();
     let (_folder, path) = exported(scene, target);
-    let theirs = program.picture(&path, spp).unwrap();
+    let theirs = program.picture(&path, SIZE, spp).unwrap();
     // With a quarter of the samples the mean of the mirror has noise of 0.2 %.
     let ours = our_picture(scene, &camera, SIZE, 4096);
     let rows = compare(scene, &camera, &ours, &theirs, 20);
@@ -84,6 +84,23 @@ fn blender_makes_the_same_picture() {
     renders_alike(&scene(), Target::Blender, 512, limit);
     let scene = Scene { brdf: BrdfModel::Ggx, ..scene() };
     renders_alike(&scene, Target::Blender, 512, limit);
+}
+
+/// USD, brought into Blender by Blender's own import, which knows `UsdPreviewSurface` alone: no anisotropy, no reflectance that
+/// is the same at all angles, no colour of a lobe over a base.
+#[test]
+#[ignore = "slow: needs Blender, which .ci/programs installs"]
+fn blender_makes_the_same_picture_of_usd() {
+    let scene = Scene { brdf: BrdfModel::Ggx, ..scene() };
+    let limit = |scene: &Scene, group: usize| {
+        let material = &scene.groups[group].material;
+        match (material.is_glossy(), material.alpha_x == material.alpha_y) {
+            (false, _) => 0.02,
+            (true, true) => 0.06,
+            (true, false) => 0.35,
+        }
+    };
+    renders_alike(&scene, Target::Usd, 512, limit);
 }
 
 /// A user's open file, to which the script adds its scene.

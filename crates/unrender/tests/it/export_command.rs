@@ -82,8 +82,9 @@ fn scenes_written_by_hand_are_rendered_and_exported() {
         let checked = unrender(&["check"], &[("", &project), ("--out", &folder.path("check.png"))]);
         let told = stderr(&checked);
         assert!(checked.status.success(), "{told}");
-        for format in ["blender", "gltf", "materialx", "mitsuba", "pbrt", "radiance"] {
-            let out = folder.path(format).with_extension("glb");
+        for format in ["blender", "gltf", "materialx", "mitsuba", "pbrt", "radiance", "usd"] {
+            let out =
+                folder.path(format).with_extension(if format == "usd" { "usdz" } else { "glb" });
             let exported = export(scene, format, &out);
             let told = stderr(&exported);
             assert!(exported.status.success() && out.exists(), "{format}: {told}");
@@ -99,9 +100,9 @@ fn what_cannot_be_written_is_told_and_leaves_nothing_behind() {
     folder.write("file", "mine");
     std::fs::create_dir_all(folder.path("taken.glb/inside")).unwrap();
     let before = list(&folder);
-    for format in ["blender", "gltf", "materialx", "mitsuba", "pbrt", "radiance"] {
+    for format in ["blender", "gltf", "materialx", "mitsuba", "pbrt", "radiance", "usd"] {
         let mut bad = vec!["missing/scene.glb", "file/scene.glb", "taken.glb"];
-        // A file in place of a folder is refused; one .glb replaces another.
+        // A file in place of a folder is refused, and one without the right ending; one .glb replaces another.
         bad.extend(if format == "gltf" { None } else { Some("file") });
         for name in bad {
             let output = export(&scene, format, &folder.path(name));

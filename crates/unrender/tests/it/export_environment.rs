@@ -2,7 +2,7 @@
 //! formats' own documents state for panoramas, which are written here a second time.
 
 use crate::kit::export_scene::{SIZE, camera, scene};
-use glam::{Quat, Vec2, Vec3};
+use glam::{Mat4, Quat, Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
 use unrender::formats::LightUnits;
@@ -17,11 +17,12 @@ type Shown = Box<dyn Fn(Vec3) -> Rgb>;
 type Reader = fn(&Path) -> Shown;
 
 /// The formats that hold environments, each with the function that reads one.
-const HOLDING: [(Target, Reader); 4] = [
+const HOLDING: [(Target, Reader); 5] = [
     (Target::Mitsuba, mitsuba),
     (Target::Blender, blender),
     (Target::Pbrt, pbrt),
     (Target::Radiance, radiance),
+    (Target::Usd, usd),
 ];
 
 /// The scene in the light of `around`, exported into a new folder, and what was told of the environment.
@@ -36,8 +37,9 @@ fn exported(around: Option<Environment>, target: Target) -> (tempfile::TempDir, 
         size: SIZE,
         light_units: LightUnits::Radiometric,
     };
-    let (files, mut warnings) = export::export(&shot, target).unwrap();
-    let path = folder.path().join(if target == Target::Gltf { "scene.glb" } else { "" });
+    let is_file = [Target::Gltf, Target::Usd].contains(&target);
+    let path = folder.path().join(if is_file { target.usual_name() } else { String::new() });
+    let (files, mut warnings) = export::export(&shot, target, &path).unwrap();
     export::write(&path, target, &files).unwrap();
     warnings.0.retain(|told| told.contains("environment"));
     (folder, warnings)
@@ -155,6 +157,28 @@ fn radiance(folder: &Path) -> Shown {
     })
 }
 
+/// OpenEXR's maps of latitude and longitude, which USD names: longitude 0 in the middle, along z, and a quarter of a turn, along
+/// x, to the left of it. The first three rows of the dome's transform are where it has its axes.
+fn usd(folder: &Path) -> Shown {
+    let stage = text(folder, "scene.usda");
+    let dome = between(&stage, "def DomeLight \"environment\"", "\n    }");
+    assert!(dome.contains("inputs:texture:file = @./scene_textures/environment.exr@"), "{dome}");
+    assert!(
+        dome.contains("color3f inputs:color = (1, 1, 1)\n        float inputs:intensity = 1\n")
+    );
+    let rows = between(dome, "xformOp:transform = ( ", " )");
+    let numbers = rows.split(['(', ')', ',', ' ']).filter_map(|word| word.parse::<f32>().ok());
+    let axes = Mat4::from_cols_slice(&numbers.collect::<Vec<_>>());
+    let picture = exr(&folder.join("scene_textures"));
+    Box::new(move |direction| {
+        let d = axes.transpose().transform_vector3(direction);
+        let u = 0.5 - d.x.atan2(d.z) / TAU;
+        let v = d.y.clamp(-1.0, 1.0).acos() / PI;
+        let size = Vec2::new(picture.width() as f32, picture.height() as f32);
+        bilinear(&picture, Vec2::new(u, v) * size - 0.5)
+    })
+}
+
 /// Directions all over the sphere, about `count` of them.
 fn directions(count: usize) -> impl Iterator<Item = Vec3> {
     (0..count).map(move |k| {
@@ -256,6 +280,11 @@ fn one_radiance_from_everywhere_needs_no_panorama() {
         (Target::Pbrt, "scene.pbrt", "LightSource \"infinite\" \"rgb L\" [ 0.25 0.5 0.75 ]"),
         (Target::Radiance, "scene.rad", "void glow environment\n0\n0\n4 0.25 0.5 0.75 0\n"),
         (Target::Blender, "scene.json", "\"environment\":{\"radiance\":[0.25,0.5,0.75]}"),
+        (
+            Target::Usd,
+            "scene.usda",
+            "color3f inputs:color = (0.33333334, 0.6666667, 1) float inputs:intensity = 0.75 }",
+        ),
     ];
     let blank = |text: String| text.replace([' ', '\n'], "");
     for panorama in [RgbImage::new(1, 1, vec![radiance]), RgbImage::from_fn(8, 4, |_, _| radiance)]

@@ -47,7 +47,7 @@ fn back(target: Target, file: &str) -> Scene {
         size: SIZE,
         light_units: LightUnits::Radiometric,
     };
-    let (files, _) = export::export(&shot, target).unwrap();
+    let (files, _) = export::export(&shot, target, folder.path()).unwrap();
     export::write(folder.path(), target, &files).unwrap();
     let (back, warnings) = unrender::formats::load_scene(&folder.path().join(file)).unwrap();
     assert!(warnings.0.is_empty(), "{warnings:?}");

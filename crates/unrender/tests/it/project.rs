@@ -293,7 +293,10 @@ fn lit(emitters: &[(&str, Rgb)], lights: &[&str]) -> Scene {
         groups: std::iter::once(group("wall", Rgb::ZERO))
             .chain(emitters.iter().map(|(name, emission)| group(name, *emission)))
             .collect(),
-        lights: lights.iter().map(|&name| Light { name: name.into(), kind }).collect(),
+        lights: lights
+            .iter()
+            .map(|&name| Light { name: name.into(), kind: kind.clone() })
+            .collect(),
         ..Scene::default()
     }
 }

@@ -153,18 +153,32 @@ fn add(
 /// Exports `scene` as `target` into a new folder; returns that folder and the exported file or
 /// folder.
 pub(crate) fn exported(scene: &Scene, target: Target) -> (tempfile::TempDir, PathBuf) {
+    exported_as(scene, target, &target.usual_name())
+}
+
+/// The same under a name of its own.
+pub(crate) fn exported_as(
+    scene: &Scene,
+    target: Target,
+    name: &str,
+) -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(if target == Target::Gltf { "scene.glb" } else { "scene" });
+    let path = folder.path().join(name);
     let camera = camera();
     let converted = converted(scene, &camera, SIZE, target.lobe(scene.brdf));
     let materials: Vec<Material> = converted.into_iter().map(|c| c.material).collect();
     let (camera, materials) = (&camera, &materials[..]);
     let shot =
         SceneView { scene, materials, camera, size: SIZE, light_units: LightUnits::Radiometric };
-    let (files, warnings) = export::export(&shot, target).unwrap();
-    // The scene's camera has a lens, and there is light around it, which glTF cannot express.
+    let (files, warnings) = export::export(&shot, target, &path).unwrap();
+    // The scene's camera has a lens, and there is light around it, which glTF cannot express; nor can USD its spot, its lamp,
+    // and its brushed plate.
     let is_expected = |w: &String| {
         target == Target::Gltf && w.contains("what a lens does")
+            || target == Target::Usd
+                && ["spots fall off", "which side", "no anisotropy", "straight through"]
+                    .iter()
+                    .any(|of| w.contains(of))
             || !target.has_environments() && w.contains("no words for the environment")
     };
     assert!(warnings.0.iter().all(is_expected), "{warnings:?}");

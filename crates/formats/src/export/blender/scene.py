@@ -28,6 +28,8 @@ def folder():
 
 
 HERE = folder()
+# What Cycles makes of a candela of an IES file: 4 pi over the lumens of a watt of white light.
+CYCLES_PER_CANDELA = 4 * math.pi / 177.83
 # In Blender z points up, in unrender y.
 Z_UP = Matrix(((1, 0, 0, 0), (0, 0, -1, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
 
@@ -269,6 +271,30 @@ def fall_off(light, axis, cos_inner, cos_outer):
     links.new(square.outputs[0], emission.inputs["Strength"])
 
 
+def shine_by_profile(light, aim, upright, item):
+    """The strength of a light by its IES file, one where that has its greatest candela."""
+    light.use_nodes = True
+    nodes, links = light.node_tree.nodes, light.node_tree.links
+    # Cycles counts the horizontal angle from -y towards -x of this vector, and the vertical one from its -z.
+    towards = nodes.new("ShaderNodeCombineXYZ")
+    for socket, axis in zip(towards.inputs, (aim.cross(upright), -upright, -aim)):
+        along = nodes.new("ShaderNodeVectorMath")
+        along.operation = "DOT_PRODUCT"
+        along.inputs[1].default_value = axis
+        links.new(nodes.new("ShaderNodeNewGeometry").outputs["Incoming"], along.inputs[0])
+        links.new(along.outputs["Value"], socket)
+    profile = nodes.new("ShaderNodeTexIES")
+    profile.mode = "EXTERNAL"
+    profile.filepath = os.path.join(HERE, item["profile"])
+    links.new(towards.outputs[0], profile.inputs["Vector"])
+    share = nodes.new("ShaderNodeMath")
+    share.operation = "DIVIDE"
+    share.inputs[1].default_value = CYCLES_PER_CANDELA * item["candela"]
+    links.new(profile.outputs[0], share.inputs[0])
+    emission = next(n for n in nodes if n.type == "EMISSION")
+    links.new(share.outputs[0], emission.inputs["Strength"])
+
+
 def add_light(scene, item):
     kind = "SUN" if item["kind"] == "directional" else "POINT"
     light = bpy.data.lights.new(item["name"], kind)
@@ -287,6 +313,9 @@ def add_light(scene, item):
         axis = Z_UP.to_3x3() @ Matrix.Translation(item["direction"]).to_translation()
         if kind == "SUN":
             thing.rotation_euler = axis.to_track_quat("-Z", "Y").to_euler()
+        elif item["kind"] == "profiled":
+            upright = Z_UP.to_3x3() @ Matrix.Translation(item["upright"]).to_translation()
+            shine_by_profile(light, axis, upright, item)
         else:
             fall_off(light, axis, item["cos_inner"], item["cos_outer"])
 

@@ -3,17 +3,17 @@
 use super::{float, point, rgb, safe, to_world, vector};
 use crate::export::environment::{self, Around};
 use crate::export::identifiers::identifiers;
-use crate::export::{Files, SceneView};
+use crate::export::{Files, SceneView, profiles};
 use crate::record::light_note;
 use crate::texels;
 use glam::{Affine3A, DVec3, Mat3, Vec3};
-use unrender_scene::{Environment, Image, LightKind, Rgb, RgbImage};
+use unrender_scene::{Environment, Image, LightKind, Rgb, RgbImage, Warnings};
 
 /// Texels of the picture of a spot's cone, across and down.
 const CONE_TEXELS: usize = 512;
 
 /// All of them, and the pictures that they name.
-pub(super) fn text(shot: &SceneView) -> Result<(String, Files), String> {
+pub(super) fn text(shot: &SceneView, warnings: &mut Warnings) -> Result<(String, Files), String> {
     let (lights, origin) = (&shot.scene.lights, shot.scene.origin);
     let ids = identifiers("l_", lights.iter().map(|l| l.name.as_str()));
     let (mut text, mut files) = (String::new(), Files::new());
@@ -25,7 +25,7 @@ pub(super) fn text(shot: &SceneView) -> Result<(String, Files), String> {
         text.push_str(&format!(
             "    {}\n    {}\n",
             safe(&light_note(light, origin)),
-            emitter(&light.kind, &picture, origin)
+            emitter(&profiles::without(light, "Mitsuba", warnings), &picture, origin)
         ));
     }
     match environment::around(shot.scene) {
@@ -91,6 +91,8 @@ fn emitter(kind: &LightKind, picture: &str, origin: DVec3) -> String {
                 float("beam_width", 0.999_9 * angle)
             )
         }
+        // The caller has put a point in its place.
+        LightKind::Profiled { .. } => String::new(),
     }
 }
 

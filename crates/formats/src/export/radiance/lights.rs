@@ -1,12 +1,12 @@
 //! Lights without a surface, in Radiance's words: small glowing spheres, and distant sources.
 //!
 //! A sphere of radius `r` and radiance `I / (pi r^2)` has the radiant intensity `I` in every
-//! direction, and exactly the irradiance of a point; what a spot sends into a direction is a pattern
-//! on the sphere, by the direction of the ray.
+//! direction, and exactly the irradiance of a point; what a spot or a photometric profile sends into a direction is a
+//! pattern on the sphere, by the direction of the ray.
 
-use super::{place, triple};
-use crate::export::SceneView;
+use super::{place, profiles, triple};
 use crate::export::identifiers::identifiers;
+use crate::export::{Files, SceneView};
 use crate::record::light_note;
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
@@ -18,11 +18,14 @@ const RADIUS: f32 = 1e-3;
 const DISTANT_DEG: f32 = 0.1;
 
 /// All of them as primitives.
-pub(super) fn text(shot: &SceneView) -> String {
+pub(super) fn text(shot: &SceneView, files: &mut Files) -> String {
     let lights = &shot.scene.lights;
     let ids = identifiers("l_", lights.iter().map(|l| l.name.as_str()));
     let texts = lights.iter().zip(&ids).map(|(light, id)| {
         let origin = shot.scene.origin;
+        if let LightKind::Profiled { profile, .. } = &light.kind {
+            files.push((data_file(id), profiles::data(profile).into_bytes()));
+        }
         format!("\n# {}\n{}", light_note(light, origin), primitives(&light.kind, id, origin))
     });
     texts.collect()
@@ -31,6 +34,13 @@ pub(super) fn text(shot: &SceneView) -> String {
 fn primitives(kind: &LightKind, id: &str, origin: DVec3) -> String {
     let per_area = 1.0 / (PI * RADIUS * RADIUS);
     match *kind {
+        LightKind::Profiled { position, direction, upright, intensity, ref profile } => {
+            let pattern = format!("{id}.profile");
+            let axes = [direction, upright];
+            profiles::pattern(&pattern, &data_file(id), profile.photometry(), axes)
+                + &light(&pattern, id, intensity * per_area)
+                + &sphere(id, &place(position, origin))
+        }
         LightKind::Point { position, intensity } => {
             light("void", id, intensity * per_area) + &sphere(id, &place(position, origin))
         }
@@ -49,6 +59,11 @@ fn primitives(kind: &LightKind, id: &str, origin: DVec3) -> String {
                 + &format!("{id} source {id}.disk\n0\n0\n4 {to_light} {DISTANT_DEG}\n")
         }
     }
+}
+
+/// The file of the profile of the lamp with the identifier `id`.
+fn data_file(id: &str) -> String {
+    format!("profiles/{id}.dat")
 }
 
 fn light(modifier: &str, id: &str, radiance: Vec3) -> String {

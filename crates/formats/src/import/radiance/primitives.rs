@@ -51,8 +51,11 @@ impl Noted {
         if let Some(note) = &mut self.note {
             let here = (note.light_at - origin).as_vec3();
             let light = note.light.as_mut().map(|light| &mut light.kind);
-            if let Some(LightKind::Point { position, .. } | LightKind::Spot { position, .. }) =
-                light
+            if let Some(
+                LightKind::Point { position, .. }
+                | LightKind::Spot { position, .. }
+                | LightKind::Profiled { position, .. },
+            ) = light
             {
                 *position = here;
             }
@@ -275,6 +278,10 @@ impl Change {
                 *intensity *= area;
             }
             LightKind::Directional { direction, .. } => *direction = turned(*direction),
+            LightKind::Profiled { direction, upright, intensity, .. } => {
+                (*direction, *upright) = (turned(*direction), turned(*upright));
+                *intensity *= area;
+            }
         }
     }
 }

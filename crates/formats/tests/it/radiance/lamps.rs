@@ -288,7 +288,7 @@ fn an_export_to_formats_without_environments_tells_that_the_sky_is_not_in_it() {
             light_units,
         };
         for target in Target::ALL {
-            let (_, warnings) = export(&shot, target).unwrap();
+            let (_, warnings) = export(&shot, target, target.usual_name().as_ref()).unwrap();
             let told = warnings.0.iter().any(|told| told.contains("no words for the environment"));
             assert_eq!(told, has_sky && !target.has_environments(), "{target:?}: {warnings:?}");
         }

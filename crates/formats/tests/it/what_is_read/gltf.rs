@@ -38,6 +38,7 @@ fn place(element: &str) -> &'static str {
         "perspective" => "/cameras/0/perspective",
         "light" => "/extensions/KHR_lights_punctual/lights/0",
         "spot" => "/extensions/KHR_lights_punctual/lights/0/spot",
+        "profile" => "/extensions/EXT_lights_ies/lights/0",
         "KHR_materials_specular" => "/materials/0/extensions/KHR_materials_specular",
         "KHR_materials_anisotropy" => "/materials/0/extensions/KHR_materials_anisotropy",
         "KHR_materials_clearcoat" => "/materials/0/extensions/KHR_materials_clearcoat",

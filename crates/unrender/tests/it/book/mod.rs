@@ -120,6 +120,16 @@ fn links_lead_somewhere() {
     }
 }
 
+/// Writes the photometric profiles that a project names into `folder`.
+fn profiles_of(project: &str, folder: &Path) {
+    for line in project.lines() {
+        let Some(name) = line.strip_prefix("profile = \"") else { continue };
+        let name = name.split('"').next().unwrap();
+        let profile = "TILT=NONE\n1 -1 1 2 1 1 2 0 0 0\n1 1 0\n0 90\n0\n1 0\n";
+        fs::write(folder.join(name), profile).unwrap();
+    }
+}
+
 #[test]
 fn projects_and_edits_on_the_pages_are_understood() {
     let place = tempfile::tempdir().unwrap();
@@ -132,7 +142,8 @@ fn projects_and_edits_on_the_pages_are_understood() {
                 "project" => {
                     let head = if block.text.contains("scene =") { "" } else { files };
                     let text = format!("{head}{}", block.text);
-                    let read = Project::parse(Path::new("page.toml"), &text);
+                    profiles_of(&text, place.path());
+                    let read = Project::parse(&place.path().join("page.toml"), &text);
                     assert!(read.is_ok(), "{fault}: {:?}", read.err());
                     schema::holds("project", &schema::from_toml(&text), &fault);
                 }

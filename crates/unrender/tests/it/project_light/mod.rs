@@ -27,6 +27,7 @@ const LIGHTS: &str = "[environment]\ncolor = [0.2, 0.25, 0.3]\n\
     strength = [4, 4, 4]\n";
 
 mod counted;
+mod photometric;
 mod stated;
 mod unknown;
 

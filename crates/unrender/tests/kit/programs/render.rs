@@ -16,6 +16,8 @@ pub(crate) enum Program {
     Mitsuba(PathBuf),
     /// The Python that has Blender as a module.
     Blender(PathBuf),
+    /// The same, which imports USD.
+    BlenderByUsd(PathBuf),
 }
 
 impl Program {
@@ -29,6 +31,7 @@ impl Program {
             Target::Mitsuba => python("mitsuba").map(Self::Mitsuba),
             Target::Radiance => Self::radiance_of(python("pyradiance")?),
             Target::Blender => python("bpy").map(Self::Blender),
+            Target::Usd => python("bpy").map(Self::BlenderByUsd),
             _ => Err(format!("no renderer is known for {target}")),
         }
     }
@@ -38,7 +41,8 @@ impl Program {
         match target {
             Target::Mitsuba => Self::mitsuba(),
             Target::Radiance => Self::radiance(),
-            Target::Blender => Self::blender(),
+            Target::Blender => Self::blender().map(Self::Blender),
+            Target::Usd => Self::blender().map(Self::BlenderByUsd),
             _ => Err(format!("no renderer is installed for {target}")),
         }
     }
@@ -62,16 +66,22 @@ impl Program {
     }
 
     /// Blender, from `bpy` of PyPI: 350 MB.
-    pub(crate) fn blender() -> Result<Self, String> {
-        python("bpy", &["bpy==4.5.*", "numpy<2"]).map(Self::Blender)
+    fn blender() -> Result<PathBuf, String> {
+        python("bpy", &["bpy==4.5.*", "numpy<2"])
     }
 
-    /// The picture of the export in `folder`, by about `spp` paths a pixel.
-    pub(crate) fn picture(&self, folder: &Path, spp: u32) -> Result<RgbImage, String> {
+    /// The picture of `size` (width and height, pixels) of the export at `path`, by about `spp` paths a pixel.
+    pub(crate) fn picture(
+        &self,
+        path: &Path,
+        size: (usize, usize),
+        spp: u32,
+    ) -> Result<RgbImage, String> {
         match self {
-            Self::Radiance(programs, library) => radiance(programs, library, folder, spp),
-            Self::Mitsuba(python) => mitsuba(python, folder, spp),
-            Self::Blender(python) => blender(python, folder, spp),
+            Self::Radiance(programs, library) => radiance(programs, library, path, spp),
+            Self::Mitsuba(python) => mitsuba(python, path, spp),
+            Self::Blender(python) => blender(python, path, spp),
+            Self::BlenderByUsd(python) => imported(python, path, size, spp),
         }
     }
 }
@@ -121,6 +131,21 @@ fn blender(python: &Path, folder: &Path, spp: u32) -> Result<RgbImage, String> {
     let picture = folder.join("picture.exr");
     let mut command = Command::new(python);
     command.arg(folder.join("scene.py")).args(["--spp", &spp.to_string()]).arg(&picture);
+    run(&mut command)?;
+    read(&picture)
+}
+
+/// Imports a USD stage into Blender, and renders it by Cycles. A stage does not say how large its picture is.
+fn imported(
+    python: &Path,
+    stage: &Path,
+    (width, height): (usize, usize),
+    spp: u32,
+) -> Result<RgbImage, String> {
+    let picture = stage.with_extension("picture.exr");
+    let mut command = Command::new(python);
+    command.args(["-c", include_str!("import_usd.py")]).arg(stage);
+    command.args([width.to_string(), height.to_string(), spp.to_string()]).arg(&picture);
     run(&mut command)?;
     read(&picture)
 }
