@@ -87,7 +87,7 @@ fn blender_makes_the_same_picture() {
 }
 
 /// USD, brought into Blender by Blender's own import, which knows `UsdPreviewSurface` alone: no anisotropy, no reflectance that
-/// is the same at all angles, no colour of a lobe over a base.
+/// is the same at all angles, of a lobe over a base one colour for both or none.
 #[test]
 #[ignore = "slow: needs Blender, which .ci/programs installs"]
 fn blender_makes_the_same_picture_of_usd() {
@@ -95,9 +95,10 @@ fn blender_makes_the_same_picture_of_usd() {
     let limit = |scene: &Scene, group: usize| {
         let material = &scene.groups[group].material;
         match (material.is_glossy(), material.alpha_x == material.alpha_y) {
-            (false, _) => 0.02,
-            (true, true) => 0.06,
-            (true, false) => 0.35,
+            // A mirror, with what it shows; and by the light of the others.
+            (false, _) => 0.06,
+            (true, true) => 0.17,
+            (true, false) => 0.3,
         }
     };
     renders_alike(&scene, Target::Usd, 512, limit);

@@ -1,8 +1,14 @@
 //! `UsdPreviewSurface`, which all programs read. [OpenUSD, UsdPreviewSurface specification]
 //!
 //! `alpha = roughness^2`. A metal has its reflectance at normal incidence as `diffuseColor`, a plastic its refractive index.
-//! A free lobe over a base is a plastic of its mean reflectance: the specular workflow would have its colour, but Blender
-//! multiplies that by the reflectance of the refractive index.
+//! The specular workflow would have the colour of a free lobe over a base, but Blender multiplies that by the reflectance of
+//! the refractive index. So such a lobe is that of a plastic, of its mean reflectance, or partly that of a metal:
+//!
+//! ```text
+//! rho_d = (1 - metallic) color,    rho_s = metallic color,    color = rho_d + rho_s
+//! ```
+//!
+//! with a refractive index of one; whichever leaves less of both reflectances.
 //! Glass lets light straight through: `opacity` is what it takes of light at normal incidence.
 
 use super::network::{Group, Network, Picture};
@@ -26,14 +32,17 @@ pub(super) fn group(group: &Group, network: &mut Network) -> String {
         .holes
         .as_ref()
         .map(|(picture, cutoff)| (read("preview_holes", picture, ("float", "outputs:r")), *cutoff));
+    let shown = shown(group);
     surface(network, |node| {
         match color {
             Some(source) => node.connect("color3f", "inputs:diffuseColor", source),
-            None => {
-                node.set("color3f", "inputs:diffuseColor", Value::Float3(group.layered.base_color))
-            }
+            None => node.set("color3f", "inputs:diffuseColor", Value::Float3(shown.color)),
         }
-        lobe(group, node);
+        let layered = &group.layered;
+        let roughness = if layered.shines { layered.mean_roughness() } else { 1.0 };
+        node.set("float", "inputs:metallic", Value::Float(shown.metallic));
+        node.set("float", "inputs:roughness", Value::Float(roughness));
+        node.set("float", "inputs:ior", Value::Float(shown.ior));
         if group.emission.max_element() > 0.0 {
             node.set("color3f", "inputs:emissiveColor", Value::Float3(group.emission));
         }
@@ -47,20 +56,32 @@ pub(super) fn group(group: &Group, network: &mut Network) -> String {
     })
 }
 
-/// The inputs of the lobe.
-fn lobe(group: &Group, node: &mut Prim) {
+/// What of the surface is colour, metal and plastic.
+struct Shown {
+    color: Rgb,
+    metallic: f32,
+    ior: f32,
+}
+
+fn shown(group: &Group) -> Shown {
     let (material, layered) = (group.material, &group.layered);
-    let metallic = if layered.is_metal { 1.0 } else { 0.0 };
-    let roughness = if layered.shines { layered.mean_roughness() } else { 1.0 };
-    let mean = material.rho_s.element_sum() / 3.0;
-    let ior = match material.reflectance {
-        Reflectance::Dielectric { ior, .. } => ior,
-        _ if layered.is_metal => layered.ior,
-        _ => ior_of_f0(mean.min(HIGHEST_F0)),
-    };
-    node.set("float", "inputs:metallic", Value::Float(metallic));
-    node.set("float", "inputs:roughness", Value::Float(roughness));
-    node.set("float", "inputs:ior", Value::Float(ior));
+    let color = layered.base_color;
+    if layered.is_metal {
+        return Shown { color, metallic: 1.0, ior: layered.ior };
+    }
+    if let Reflectance::Dielectric { ior, .. } = material.reflectance {
+        return Shown { color, metallic: 0.0, ior };
+    }
+    let mean = (material.rho_s.element_sum() / 3.0).min(HIGHEST_F0);
+    let off_as_plastic = (material.rho_s - mean).abs().element_sum();
+    let both = material.rho_d + material.rho_s;
+    let metallic = material.rho_s.element_sum() / both.element_sum().max(f32::MIN_POSITIVE);
+    // What the one reflectance has too much, the other lacks.
+    let off_as_metal = 2.0 * (material.rho_s - metallic * both).abs().element_sum();
+    if group.texture.is_none() && off_as_metal < off_as_plastic {
+        return Shown { color: both, metallic, ior: 1.0 };
+    }
+    Shown { color, metallic: 0.0, ior: ior_of_f0(mean) }
 }
 
 /// Adds the surface of glass; returns the path of its output.
