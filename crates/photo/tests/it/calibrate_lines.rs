@@ -81,17 +81,24 @@ fn in_rooms(rooms: usize, count: usize, request: &LinesRequest) -> (f64, Vec<f64
                 DVec2::new(random.within(-80.0, 80.0), random.within(-80.0, 80.0));
         }
         let (lines, origin) = seen(&truth, count, 1.0, &mut random);
-        let found = calibrate_lines(&lines, SIZE, request).expect("the lines determine a camera");
+        let found = match calibrate_lines(&lines, SIZE, request) {
+            // Four or six lines may happen not to converge.
+            Err(CalibrateError::Undetermined { .. }) if count < 6 => continue,
+            found => found.expect("the lines determine a camera"),
+        };
         assert!(found.rejected.is_empty(), "{:?}", found.rejected);
         errors.push((found.focal_px.value / truth.focal - 1.0).abs());
         let numbers = both(&truth, origin, &found).into_iter();
         let pull = numbers.filter_map(|(truth, found)| Some((found.value - truth) / found.std?));
         pulls.push(pull.collect());
     }
+    // Most do.
+    assert!(errors.len() * 10 >= rooms * 9, "{} of {rooms} rooms have a camera", errors.len());
     errors.sort_by(f64::total_cmp);
-    let mean =
-        |number: usize| pulls.iter().map(|pull| pull[number].powi(2)).sum::<f64>() / rooms as f64;
-    (errors[rooms / 2], (0..pulls[0].len()).map(mean).collect())
+    let mean = |number: usize| {
+        pulls.iter().map(|pull| pull[number].powi(2)).sum::<f64>() / pulls.len() as f64
+    };
+    (errors[errors.len() / 2], (0..pulls[0].len()).map(mean).collect())
 }
 
 #[test]
