@@ -7,13 +7,13 @@ use unrender::Project;
 use unrender::cli::Global;
 use unrender::commands::merge;
 use unrender::edit::EditSheet;
+use unrender::fit_brdf::{Form, fit};
 use unrender::formats::cameras::{colmap, opencv};
 use unrender::formats::{
     Input, Limits, assign_materials, axis_lines, fspy, ies, load_model, load_scene, material_file,
     materials, merl, picture, planes, points, response_curve,
 };
 use unrender::listener::Console;
-use unrender::recover::measured::{Form, fit};
 use unrender::run::Run;
 use unrender::scene::{BrdfModel, Group, Material, Rgb, Scene};
 

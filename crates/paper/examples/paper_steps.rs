@@ -109,7 +109,7 @@ fn print_errors(observation: &Observation, view: &View<'_>, scene: &Scene) {
         cosine: 4,
         per_lobe: 6,
         lobes: ProposalLobe::round(&[0.02, 0.06, 0.16, 0.4]),
-        mirror: true,
+        mirror: 1,
         keep_incident: true,
         seed: 5,
         ..ProbeSettings::default()

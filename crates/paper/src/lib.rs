@@ -420,7 +420,7 @@ impl PaperIteration<'_> {
             cosine: COSINE,
             per_lobe: PER_LOBE,
             lobes: proposals(&session.materials()[group]),
-            mirror: true,
+            mirror: 1,
             keep_incident: true,
             seed: self.options.seed,
             max_bounces: self.options.max_bounces,

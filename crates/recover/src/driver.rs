@@ -13,7 +13,7 @@
 
 use crate::compare::{CERTAIN, Measured};
 use crate::effort::Effort;
-use crate::guess::Guess;
+use crate::guess::{GroupGuess, Guess};
 use crate::hypothesis::Hypothesis;
 use crate::ladder::candidates::Candidates;
 use crate::ladder::proposal::Proposal;
@@ -25,6 +25,8 @@ use crate::refine::{self, Depth, brightness};
 use crate::sample_budget::{self, Level};
 use crate::schedule::Phase;
 use crate::verify::{Score, Verified, Verifier};
+use std::collections::BTreeSet;
+use unrender_scene::Material;
 
 /// How hypotheses are compared and numbers are fitted: while hypotheses are chosen, and under the refined light.
 const ROUGHLY: (Level, Depth) = (Level::Choice, Depth::Rough);
@@ -108,41 +110,41 @@ impl Driver<'_, '_> {
     }
 
     /// Compares the hypotheses of all groups, those that are explained worst first, until none changes in its present light.
+    /// What was before and comes again is no reason to ask again: between these noise decides.
     fn choose<'a>(
         &mut self,
         mut present: Verified<'a>,
         by: (Level, Depth),
     ) -> Result<Verified<'a>, RecoverError> {
+        let mut been = BTreeSet::new();
         while !self.progress.is_cancelled() {
             present.guess = refine::settle_nuisances(present.guess, self.options)?;
-            let guess = &mut present.guess;
-            let proposals = self.candidates.propose_worst(guess, by.0, self.progress);
+            if been.insert(place(&present.guess)) {
+                self.candidates.ask_again(&self.in_other_light(&present, by.0));
+            }
+            let proposals = self.candidates.propose_worst(&mut present, by.0, self.progress);
             if proposals.is_empty() {
                 break;
             }
-            let changed;
-            (present, changed) = self.take(present, proposals, by);
-            self.candidates.ask_again(&changed);
+            present = self.take(present, proposals, by.1);
         }
         Ok(present)
     }
 
-    /// Makes the changes of `proposals` and fits all numbers again. Returns the other groups whose light has changed.
+    /// Makes the changes of `proposals` and fits all numbers again.
     fn take<'a>(
         &mut self,
         present: Verified<'a>,
         mut proposals: Vec<Proposal>,
-        (level, depth): (Level, Depth),
-    ) -> (Verified<'a>, Vec<usize>) {
+        depth: Depth,
+    ) -> Verified<'a> {
         self.progress.working("looking at the whole photo with the change", 0.0);
         let refused = self.refused_textures(&present, &proposals);
         proposals.retain(|of| !refused.contains(&of.group));
         if proposals.is_empty() {
-            return (present, Vec::new());
+            return present;
         }
-        let (found, _) = self.refine_once(with(&present.guess, &proposals), depth);
-        let changed = self.changed(&found, &present.score, level);
-        (found, changed)
+        self.refine_once(with(&present.guess, &proposals), depth).0
     }
 
     /// The groups of textures among `proposals` with which their re-rendered pixels are explained worse than before: texels
@@ -171,9 +173,8 @@ impl Driver<'_, '_> {
         let mut proposals =
             self.candidates.textures(&mut present.guess, &groups, by.0, self.progress);
         while !proposals.is_empty() && !self.progress.is_cancelled() {
-            let (found, changed) = self.take(present, proposals, by);
+            let found = self.take(present, proposals, by.1);
             let before = found.score.clone();
-            self.candidates.ask_again(&changed);
             self.candidates.ask_again(&self.candidates.open(&found.guess, by.0));
             present = self.choose(found, by)?;
             let mut again = self.changed(&present, &before, by.0);
@@ -197,7 +198,6 @@ impl Driver<'_, '_> {
         if self.is_matt(&coated, &present) {
             return Ok(present);
         }
-        self.candidates.ask_again(&self.changed(&coated, &present.score, Level::Choice));
         self.choose(coated, ROUGHLY)
     }
 
@@ -228,12 +228,22 @@ impl Driver<'_, '_> {
         let (mut present, _) = self.refine_once(present.guess, Depth::Coarse);
         if self.options.effort.asks_again() {
             self.progress.begin(Phase::Revision);
-            self.candidates.begin_refined();
             present = self.choose(present, REFINED)?;
             present = self.find_textures(present, REFINED)?;
         }
         self.progress.begin(Phase::LastRefinement);
         Ok(self.refine_once(present.guess, Depth::Fine))
+    }
+
+    /// The groups whose light differs from that in which they were asked by more than the error that is always allowed for.
+    fn in_other_light(&self, now: &Verified<'_>, level: Level) -> Vec<usize> {
+        let tolerated = sample_budget::allowance(level, self.options).light.share;
+        let is_other = |group: &usize| {
+            let asked = self.candidates.asked_in(*group);
+            asked
+                .is_some_and(|then| self.verifier.is_changed(*group, [&now.score, then], tolerated))
+        };
+        now.guess.visible_unknowns().into_iter().filter(is_other).collect()
     }
 
     /// The groups whose light differs between a guess and the score `before` by more than the error that is always
@@ -274,6 +284,17 @@ fn with<'a>(guess: &Guess<'a>, proposals: &[Proposal]) -> Guess<'a> {
     let mut guess = guess.clone();
     proposals.iter().for_each(|proposal| proposal.apply(&mut guess));
     guess
+}
+
+/// Where all groups stand: their hypotheses, and about how rough they are.
+fn place(guess: &Guess<'_>) -> Vec<(Hypothesis, i32)> {
+    /// Roughnesses are told apart in steps of about this factor. Half and double of its difference from one were not tried.
+    const STEP: f32 = 1.3;
+    let step = |alpha: f32| if alpha > 0.0 { (alpha.ln() / STEP.ln()).round() as i32 } else { 0 };
+    let of = |(of_group, material): (&GroupGuess, &Material)| {
+        (of_group.hypothesis, step((material.alpha_x * material.alpha_y).sqrt()))
+    };
+    guess.groups.iter().zip(&guess.materials).map(of).collect()
 }
 
 fn is_textured(guess: &Guess<'_>, group: usize) -> bool {

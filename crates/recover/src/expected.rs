@@ -6,12 +6,8 @@
 
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+use unrender_scene::reflectance::ALPHA_RANGE;
 use unrender_scene::{Hypothesis, Material, Rgb, Texture};
-
-/// The range of roughness that is searched: sharper lobes are mirrors at any pixel size that photographs have, wider
-/// ones are diffuse. At half of the first, lobes fit single light samples; at double of it polished metal is missed.
-/// Half of the second takes satin for diffuse; beyond it nothing changes.
-pub const ALPHA_RANGE: [f32; 2] = [0.005, 1.0];
 
 /// What is expected of a group's numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

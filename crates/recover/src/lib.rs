@@ -24,7 +24,6 @@ pub mod hypothesis;
 pub mod journal;
 pub mod ladder;
 mod lit;
-pub mod measured;
 pub mod observe;
 pub mod outliers;
 mod picture;

@@ -175,7 +175,8 @@ pub struct Decision {
 #[non_exhaustive]
 pub enum Rule {
     /// On samples of the light that arrives at the group's pixels: the simplest hypothesis that no other beats by two
-    /// standard deviations is taken, if it is another one. Where none is, `to` is the one that came nearest.
+    /// standard deviations is taken, unless the present one is such and no simpler one is expected to be better. Where none is
+    /// taken, `to` is the one that came nearest.
     LightSamples,
     /// Texels from some of the group's pixels have to predict the others better than a uniform reflectance does.
     Prediction,

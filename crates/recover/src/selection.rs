@@ -10,7 +10,8 @@
 //! `N_eff = N ((1 - r) / (1 + r))^2`.
 //!
 //! Noise is no reason for a more complex one: of two whose difference is within the noise the simpler one is chosen,
-//! and a more complex one never where a simpler one is expected to be better.
+//! and a more complex one never where a simpler one is expected to be better. Nor is noise a reason to give up the present
+//! one, which was chosen by other samples: it stays where no simpler one is expected to be better.
 
 use crate::compare::{Difference, STRONG, difference, independent_blocks};
 use crate::evidence::Evidence;
@@ -25,7 +26,7 @@ pub(crate) struct Choice {
     pub(crate) chosen: usize,
     /// For each fit: its information criterion less that of the chosen one.
     pub(crate) excess: Vec<Difference>,
-    /// The more complex ones that may turn out to be better with less noise of the light, by index.
+    /// Those that may turn out to be better with less noise of the light, by index.
     pub(crate) open: Vec<usize>,
 }
 
@@ -56,11 +57,12 @@ impl<'a> Comparison<'a> {
         Self { fits, evidence, independent, differences: BTreeMap::new() }
     }
 
-    /// Chooses the simplest fit that no other certainly beats. With `simpler`, the simplest is preferred whose error is at
-    /// most so many times the least.
-    pub(crate) fn choose(&mut self, simpler: Option<f64>) -> Choice {
+    /// Chooses the simplest fit that no other certainly beats, or the `present` one if that is such and expected to be better.
+    /// With `simpler`, the simplest is preferred whose error is at most so many times the least.
+    pub(crate) fn choose(&mut self, present: Hypothesis, simpler: Option<f64>) -> Choice {
         let errors: Vec<f64> = self.fits.iter().map(|fit| fit.residual.relative()).collect();
-        let (chosen, open) = choose(&errors, simpler, |i, j| self.excess(i, j));
+        let present = self.fits.iter().position(|fit| fit.hypothesis == present);
+        let (chosen, open) = choose(&errors, (present, simpler), |i, j| self.excess(i, j));
         let excess = (0..self.fits.len()).map(|i| self.excess(i, chosen)).collect();
         Choice { chosen, excess, open }
     }
@@ -90,30 +92,38 @@ impl<'a> Comparison<'a> {
 
 /// Chooses among hypotheses, which go from simple to complex and have these `errors`, by the `excess` of the first of two
 /// over the second: the simplest one that no other certainly beats, of those that are expected to be better than all
-/// simpler ones. With `simpler`, the simplest is preferred whose error is at most so many times the least. Returns it,
-/// and the more complex ones that less noise may show to be better.
+/// simpler ones; or the `present` one if it is such. With `simpler`, the simplest is preferred whose error is at most so many
+/// times the least. Returns it, and those that less noise may show to be better: more complex ones, and the simplest one
+/// that the present one is preferred to.
 pub(crate) fn choose(
     errors: &[f64],
-    simpler: Option<f64>,
+    (present, simpler): (Option<usize>, Option<f64>),
     mut excess: impl FnMut(usize, usize) -> Difference,
 ) -> (usize, Vec<usize>) {
     let n = errors.len();
     let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
-    let (mut chosen, mut lowest) = (0, f64::INFINITY);
+    let (mut simplest, mut lowest) = (0, f64::INFINITY);
+    let mut chosen = None;
     for (i, error) in errors.iter().enumerate() {
         if (0..i).any(|j| excess(i, j).value > 0.0) {
             continue;
         }
         let behind = (0..n).map(|j| excess(i, j).least()).fold(0.0, f64::max);
-        if behind < lowest {
-            (chosen, lowest) = (i, behind);
+        let is_enough = simpler.is_some_and(|times| *error <= times * least);
+        if chosen.is_none() && (is_enough || behind < lowest) {
+            (simplest, lowest) = (i, behind);
         }
-        if simpler.is_some_and(|times| *error <= times * least) || behind <= 0.0 {
-            chosen = i;
-            break;
+        if is_enough || behind <= 0.0 {
+            let is_present = simpler.is_none() && present == Some(i);
+            chosen = if is_present { Some(i) } else { chosen.or(Some(i)) };
         }
     }
-    let open = (chosen + 1..n).filter(|i| excess(chosen, *i).most() > 0.0).collect();
+    let chosen = chosen.unwrap_or(simplest);
+    let mut open: Vec<usize> =
+        (chosen + 1..n).filter(|i| excess(chosen, *i).most() > 0.0).collect();
+    if simplest < chosen {
+        open.push(simplest);
+    }
     (chosen, open)
 }
 
@@ -135,22 +145,37 @@ mod tests {
 
     /// Chooses among hypotheses with these criteria, where comparisons with the one number `noisy` have a deviation of 30
     /// and others one of 2.
-    fn chosen(criteria: &[f64], noisy: usize) -> (usize, Vec<usize>) {
+    fn chosen(criteria: &[f64], noisy: usize, present: Option<usize>) -> (usize, Vec<usize>) {
         let excess = |i: usize, j: usize| Difference {
             value: criteria[i] - criteria[j],
             deviation: if i == noisy || j == noisy { 30.0 } else { 2.0 },
             price: 0.0,
         };
-        choose(&vec![1.0; criteria.len()], None, excess)
+        choose(&vec![1.0; criteria.len()], (present, None), excess)
     }
 
     #[test]
     fn noise_is_no_reason_for_more() {
         // Nothing certainly beats the second one, which is expected to be worse than the first; the third beats that.
-        assert_eq!(chosen(&[25.0, 42.0, 0.0], 1), (2, vec![]));
+        assert_eq!(chosen(&[25.0, 42.0, 0.0], 1, None), (2, vec![]));
         // The second one is expected to be better, and noise leaves that open.
-        assert_eq!(chosen(&[25.0, 0.0], 1), (0, vec![1]));
-        assert_eq!(chosen(&[25.0, 0.0], 2), (1, vec![]));
+        assert_eq!(chosen(&[25.0, 0.0], 1, None), (0, vec![1]));
+        assert_eq!(chosen(&[25.0, 0.0], 2, None), (1, vec![]));
+    }
+
+    #[test]
+    fn noise_is_no_reason_to_give_up_what_is_expected_to_be_better() {
+        assert_eq!(chosen(&[25.0, 0.0], 1, Some(1)), (1, vec![0]));
+        assert_eq!(
+            chosen(&[0.0, 25.0], 1, Some(1)),
+            (0, vec![1]),
+            "a simpler one is expected to be better"
+        );
+        assert_eq!(
+            chosen(&[25.0, 0.0, -50.0], 0, Some(1)),
+            (2, vec![]),
+            "another one certainly is"
+        );
     }
 
     #[test]

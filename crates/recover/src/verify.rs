@@ -19,6 +19,7 @@ use crate::problem::{Options, Role};
 use crate::sample_budget::{self, Level};
 use crate::streams::Stream;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use unrender_render::Settings;
 use unrender_render::sampler::mix;
 use unrender_scene::Rgb;
@@ -56,13 +57,15 @@ struct GroupScore {
     least: Allowance,
     /// How far its pixels are from the photograph.
     residual: ResidualStats,
+    /// Its hypothesis, and what it reflects of even light.
+    reflects: (Hypothesis, Rgb),
 }
 
 /// A guess that was verified, with its score.
 #[derive(Clone)]
 pub(crate) struct Verified<'a> {
     pub(crate) guess: Guess<'a>,
-    pub(crate) score: Score,
+    pub(crate) score: Arc<Score>,
 }
 
 impl Verifier {
@@ -115,7 +118,7 @@ impl Verifier {
             at.residual = Some(of_group.residual);
             at.likelihood = Some(Likelihood::of(&of_group.residuals, &field, self.allowance.floor));
         }
-        Verified { guess, score }
+        Verified { guess, score: Arc::new(score) }
     }
 
     /// How well `guess` explains the photograph.
@@ -132,15 +135,21 @@ impl Verifier {
         Score { groups: self.groups.iter().map(of_group).collect() }
     }
 
-    /// The groups whose light differs between the scores `mine` and `other` by more than the `share` of
-    /// it.
+    /// The groups whose light differs between the scores `mine` and `other` by more than the `share` of it: what they show,
+    /// or what a surface of the same kind has to reflect for that.
     pub(crate) fn changed(&self, mine: &Score, other: &Score, share: f64) -> Vec<usize> {
-        let both = self.groups.iter().zip(mine.groups.iter().zip(&other.groups));
-        let is_changed = |(mine, other): (&GroupScore, &GroupScore)| {
+        let groups = self.groups.iter().map(|sample| sample.group);
+        groups.filter(|group| self.is_changed(*group, [mine, other], share)).collect()
+    }
+
+    /// The same of one group.
+    pub(crate) fn is_changed(&self, group: usize, scores: [&Score; 2], share: f64) -> bool {
+        let place = self.groups.iter().position(|sample| sample.group == group);
+        place.is_some_and(|place| {
+            let [mine, other] = scores.map(|score| &score.groups[place]);
             mine.residuals.change_from(&other.residuals) > share * share
-        };
-        let changed = both.filter(|(_, scores)| is_changed(*scores));
-        changed.map(|(sample, _)| sample.group).collect()
+                || mine.reflects_otherwise(other, share as f32)
+        })
     }
 
     /// The groups whose pixels speak against the guess of the score `mine`: their deviance is higher than under `other` by
@@ -173,6 +182,13 @@ fn render(guess: &Guess<'_>, pixels: &[u32], settings: &Settings) -> [Vec<Rgb>; 
 }
 
 impl GroupScore {
+    /// Whether a surface of the same kind reflects more or less than in the `other` by this `share`.
+    fn reflects_otherwise(&self, other: &Self, share: f32) -> bool {
+        let ((kind, mine), (other_kind, other)) = (self.reflects, other.reflects);
+        kind == other_kind
+            && (mine - other).abs().max_element() > share * mine.max(other).max_element()
+    }
+
     /// It as one side of a comparison, where the light may be wrong by the `field`.
     fn side<'a>(&'a self, field: &'a LightField) -> Side<'a> {
         Side { residuals: &self.residuals, field, floor: self.least.floor }
@@ -200,7 +216,9 @@ impl GroupSample {
         }
         let residuals = BlockResiduals::over(&sample, &model);
         let residual = residual_stats(&sample.pixels, &model);
-        GroupScore { residuals, least, residual }
+        let material = &guess.materials[self.group];
+        let reflects = (guess.groups[self.group].hypothesis, material.rho_d + material.rho_s);
+        GroupScore { residuals, least, residual, reflects }
     }
 
     /// Compares two guesses.

@@ -51,8 +51,8 @@ pub struct ProbeSettings {
     pub per_lobe: u32,
     /// Half-vector lobes to draw directions from.
     pub lobes: Vec<ProposalLobe>,
-    /// Whether to trace the mirror direction, too.
-    pub mirror: bool,
+    /// Paths in the mirror direction, per probe. A single one is very noisy where no cache ends it.
+    pub mirror: u32,
     /// Whether to keep the incident samples, or only their sum `D`.
     pub keep_incident: bool,
     /// Whether camera rays continue at perfect mirrors, so that the probe lies on the reflected
@@ -71,7 +71,7 @@ impl Default for ProbeSettings {
             cosine: 16,
             per_lobe: 0,
             lobes: Vec::new(),
-            mirror: false,
+            mirror: 0,
             keep_incident: false,
             through_mirrors: false,
             seed: 0,
@@ -222,9 +222,6 @@ const COSINE: u64 = 3;
 const IMAGE: u64 = 4;
 const FIRST_LOBE: u64 = 5;
 const STREAMS: u64 = 16;
-/// One path in the mirror direction per so many directions by the cosine. Half of it spends twice
-/// the time on mirrors, double of it makes `M` noisier than `D`.
-const MIRROR_SHARE: u32 = 4;
 /// Most mirrors in a row that a camera ray follows; beyond, their product of reflectances is small.
 const MIRRORS_MAX: usize = 16;
 
@@ -487,12 +484,11 @@ impl Gathering<'_, '_> {
         let frame = self.surface.lobe_frame();
         let wo = frame.local_from_viewer(self.surface.to_viewer);
         let wi = frame.world_from_local(mirror::reflect(wo));
-        if !self.gatherer.settings.mirror || !self.surface.is_above(wi) {
+        let count = self.gatherer.settings.mirror;
+        if count == 0 || !self.surface.is_above(wi) {
             return None;
         }
         let transport = &self.gatherer.transport;
-        // A single path from the reflected point is very noisy where no cache ends it.
-        let count = self.gatherer.settings.cosine.div_ceil(MIRROR_SHARE).max(1);
         let (mut emitted, mut reflected) = (Rgb::ZERO, Rgb::ZERO);
         for k in 0..count {
             let mut sampler = self.gatherer.sampler(pixel, MIRROR, index * count + k);

@@ -28,6 +28,11 @@ pub const IOR: f32 = 1.5;
 /// more than its 25 % at normal incidence is a metal. Half of it would refuse water on glass, double of it serves nothing.
 pub const IOR_MAX: f32 = 3.0;
 
+/// The range of roughness that is searched: sharper lobes are mirrors at any pixel size that photographs have, wider
+/// ones are diffuse. At half of the first, lobes fit single light samples; at double of it polished metal is missed.
+/// Half of the second takes satin for diffuse; beyond it nothing changes.
+pub const ALPHA_RANGE: [f32; 2] = [0.005, 1.0];
+
 /// What a material's `rho_s` means.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub enum Reflectance {

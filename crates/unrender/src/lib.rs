@@ -196,6 +196,7 @@ pub use job::Job;
 pub use project::Project;
 pub use shot::Shot;
 pub use unrender_formats as formats;
+pub use unrender_measured as fit_brdf;
 pub use unrender_photo as photo;
 pub use unrender_recover as recover;
 pub use unrender_register as register;

@@ -89,7 +89,7 @@ fn probes(seen: &Observed<'_>, pixels: &[u32], seed: u64) -> Probes {
         cosine: 24,
         per_lobe: if material.is_glossy() { 24 } else { 0 },
         lobes: if material.is_glossy() { vec![lobe] } else { Vec::new() },
-        mirror: material.is_delta(),
+        mirror: if material.is_delta() { 6 } else { 0 },
         keep_incident: material.is_glossy(),
         seed,
         ..ProbeSettings::default()

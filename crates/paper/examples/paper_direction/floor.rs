@@ -33,7 +33,7 @@ impl<'s> Floor<'s> {
         let geometry = floor.tracer.geometry(&floor.camera, SIDE, SIDE);
         let shows = |pixel: &u32| geometry.pixels()[*pixel as usize].group as usize == FLOOR;
         let pixels: Vec<u32> = (0..(SIDE * SIDE) as u32).filter(shows).collect();
-        let settings = ProbeSettings { cosine: 1, mirror: true, ..ProbeSettings::default() };
+        let settings = ProbeSettings { cosine: 1, mirror: 1, ..ProbeSettings::default() };
         let mut probes = floor.probe(&scene.materials(), &pixels, &settings).probes;
         probes.retain(|probe| probe.group as usize == FLOOR);
         floor.probes = probes;

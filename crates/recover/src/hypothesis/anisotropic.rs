@@ -7,10 +7,11 @@
 use super::{Fit, Hypothesis, Search};
 use super::{isotropic, roughness};
 use crate::evidence::Evidence;
-use crate::expected::{ALPHA_RANGE, Expected};
+use crate::expected::Expected;
 use crate::fit::simplex;
 use rayon::prelude::*;
 use std::f32::consts::PI;
+use unrender_scene::reflectance::ALPHA_RANGE;
 use unrender_scene::{Material, Rgb};
 
 /// Directions that the global search starts from, over half a turn. With half as many, the nearest is up to 45 degrees

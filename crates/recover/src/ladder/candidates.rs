@@ -20,14 +20,14 @@ use crate::problem::Options;
 use crate::progress::Progress;
 use crate::record::{CandidateRecord, Rule, Status};
 use crate::sample_budget::{self, Level};
+use crate::verify::{Score, Verified};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use unrender_scene::Material;
 
 /// Of the groups in error, those with at least this share of the worst model error are asked: at
 /// half of it more groups change at once under light that is wrong, at double only the worst does.
 const WORST: f64 = 0.5;
-/// A group is asked at most so often.
-const ASKED_MAX: usize = 6;
 /// A diffuse group is open if its model error is this many times what is always allowed for.
 const CLEARLY: f64 = 1.5;
 /// A group may have outliers if its relative residual under a uniform hypothesis is above this: at half of it shadows of
@@ -44,19 +44,22 @@ const OUTLIER_ROUNDS: usize = 3;
 #[derive(Clone)]
 pub(crate) struct Candidates<'o> {
     options: &'o Options,
-    /// How often each group was asked.
-    asked: Vec<usize>,
-    /// At which level each group was asked last.
-    asked_at: Vec<Option<Level>>,
+    /// At which level each group was asked last, and what was verified then.
+    asked_at: Vec<Option<(Level, Arc<Score>)>>,
 }
 
 impl<'o> Candidates<'o> {
     pub(crate) fn new(guess: &Guess<'_>, options: &'o Options) -> Self {
         let groups = guess.materials.len();
-        Self { options, asked: vec![0; groups], asked_at: vec![None; groups] }
+        Self { options, asked_at: vec![None; groups] }
     }
 
-    /// Lets `groups` be asked again at the present level: their light has changed.
+    /// What was verified when `group` was asked last.
+    pub(crate) fn asked_in(&self, group: usize) -> Option<&Score> {
+        self.asked_at[group].as_ref().map(|(_, score)| &**score)
+    }
+
+    /// Lets `groups` be asked again at the present level.
     pub(crate) fn ask_again(&mut self, groups: &[usize]) {
         groups.iter().for_each(|group| self.asked_at[*group] = None);
     }
@@ -75,25 +78,19 @@ impl<'o> Candidates<'o> {
         guess.visible_unknowns().into_iter().filter(is_open).collect()
     }
 
-    /// The light is refined from now on: every group may be asked as often again.
-    pub(crate) fn begin_refined(&mut self) {
-        self.asked.fill(0);
-    }
-
     /// Other hypotheses for the groups that are explained worst among those that were not asked at this level in their present
     /// light.
     pub(crate) fn propose_worst(
         &mut self,
-        guess: &mut Guess<'_>,
+        present: &mut Verified<'_>,
         level: Level,
         progress: &mut Progress<'_>,
     ) -> Vec<Proposal> {
+        let Verified { guess, score } = present;
         loop {
-            let is_wanted = |g: &usize| {
-                guess.groups[*g].hypothesis != Hypothesis::Textured
-                    && self.asked[*g] < ASKED_MAX
-                    && self.asked_at[*g] != Some(level)
-            };
+            let is_asked = |g: usize| self.asked_at[g].as_ref().is_some_and(|(at, _)| *at == level);
+            let is_wanted =
+                |g: &usize| guess.groups[*g].hypothesis != Hypothesis::Textured && !is_asked(*g);
             let wanted: Vec<usize> =
                 guess.visible_unknowns().into_iter().filter(is_wanted).collect();
             let error =
@@ -107,8 +104,10 @@ impl<'o> Candidates<'o> {
             let mut proposals = Vec::new();
             let all = guess.visible_unknowns().len() as f64;
             for group in worst {
-                let asked = self.asked_at.iter().filter(|at| **at == Some(level)).count();
-                proposals.extend(self.propose(guess, group, level, asked as f64 / all, progress));
+                let asked = self.asked_at.iter().flatten().filter(|(at, _)| *at == level).count();
+                let done = asked as f64 / all;
+                self.asked_at[group] = Some((level, score.clone()));
+                proposals.extend(self.propose(guess, group, level, done, progress));
             }
             if !proposals.is_empty() {
                 return proposals;
@@ -142,8 +141,6 @@ impl<'o> Candidates<'o> {
     ) -> Option<Proposal> {
         let name = &guess.problem.groups[group].name;
         progress.working(&format!("comparing hypotheses for \"{name}\""), done);
-        self.asked[group] += 1;
-        self.asked_at[group] = Some(level);
         let answer = guess.steps.value("candidates", || self.ask(guess, group, level));
         let from = guess.groups[group].hypothesis;
         if let Some((to, measured)) = answer.decision {
@@ -297,7 +294,8 @@ impl<'o> Candidates<'o> {
                 return None;
             }
             evidence = left;
-            let choice = decide(self.options, &fits, &evidence.judging);
+            let present = guess.groups[group].hypothesis;
+            let choice = decide(self.options, &fits, &evidence.judging, present);
             let chosen = &fits[choice.chosen];
             if is_explained(chosen, UNEXPLAINED, floor) {
                 return Some(Fitted { fits, choice, outliers: found });

@@ -26,10 +26,11 @@ impl Fitted {
         &self.fits[self.choice.chosen]
     }
 
-    /// The hypotheses that are also possible: noise leaves them open, and there is no strong evidence against them.
+    /// The hypotheses that are also possible: noise leaves them open, and they are simpler, or there is no strong evidence
+    /// against them.
     pub(super) fn undecided(&self) -> Vec<Hypothesis> {
-        let Choice { excess, open, .. } = &self.choice;
-        let rivals = open.iter().filter(|i| excess[**i].value <= STRONG);
+        let Choice { excess, open, chosen } = &self.choice;
+        let rivals = open.iter().filter(|i| *i < chosen || excess[**i].value <= STRONG);
         rivals.map(|i| self.fits[*i].hypothesis).collect()
     }
 }
@@ -66,7 +67,7 @@ fn judge(
     if fits.is_empty() {
         return None;
     }
-    let choice = decide(by.options, &fits, &evidence.judging);
+    let choice = decide(by.options, &fits, &evidence.judging, guess.groups[by.group].hypothesis);
     let fitted = Fitted { fits, choice, outliers: Vec::new() };
     let chosen = fitted.chosen();
     let is_other_minimum = present.is_some_and(|present| {
@@ -77,8 +78,13 @@ fn judge(
 }
 
 /// Model selection among all candidates.
-pub(super) fn decide(options: &Options, fits: &[Fit], evidence: &Evidence) -> Choice {
-    Comparison::new(fits, evidence).choose(options.thresholds.simpler)
+pub(super) fn decide(
+    options: &Options,
+    fits: &[Fit],
+    evidence: &Evidence,
+    present: Hypothesis,
+) -> Choice {
+    Comparison::new(fits, evidence).choose(present, options.thresholds.simpler)
 }
 
 /// Whether `fit` leaves no more model error than `limit`, from block to block or from pixel to

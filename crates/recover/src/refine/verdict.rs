@@ -10,7 +10,7 @@
 use super::relations::Relation;
 use super::{Solution, parameters};
 use crate::compare::{CERTAIN, Measured, WORSE};
-use crate::expected::{ALPHA_RANGE, Like};
+use crate::expected::Like;
 use crate::guess::Guess;
 use crate::hypothesis::{Hypothesis, anisotropic};
 use crate::problem::Options;
@@ -18,6 +18,7 @@ use crate::progress::Progress;
 use crate::record::{Covariance, Deviations, LightResult, Rule, Status};
 use crate::unknown::{Quantity, Unknown};
 use std::collections::BTreeSet;
+use unrender_scene::reflectance::ALPHA_RANGE;
 use unrender_scene::{Material, Rgb};
 
 /// A group out of sight is recovered if all its standard deviations are below this; else it is assumed. At half of it what

@@ -9,7 +9,6 @@ mod error_bars;
 mod facing;
 mod ggx;
 mod ladder;
-mod measured;
 mod registration;
 mod sharp_lobes;
 mod verified;

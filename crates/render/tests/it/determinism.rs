@@ -38,7 +38,7 @@ fn film_and_probes(threads: usize, seed: u64) -> (Film, Probes) {
         cosine: 2,
         per_lobe: 2,
         lobes: vec![ProposalLobe { alpha_x: 0.1, alpha_y: 0.2, theta_rad: 0.4 }],
-        mirror: true,
+        mirror: 1,
         keep_incident: true,
         through_mirrors: true,
         seed,

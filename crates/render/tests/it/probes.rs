@@ -118,7 +118,7 @@ fn gather_all() -> ProbeSettings {
         cosine: 4,
         per_lobe: 4,
         lobes: vec![lobe(0.1, 0.1, 0.0), lobe(0.3, 0.1, 0.7)],
-        mirror: true,
+        mirror: 1,
         keep_incident: true,
         seed: 6,
         ..ProbeSettings::default()
@@ -283,7 +283,7 @@ fn mirrors_on_the_way_count_as_bounces() {
         assert_eq!(rendered.mean != DVec3::ZERO, lit);
         let settings = ProbeSettings {
             through_mirrors: true,
-            mirror: true,
+            mirror: 4,
             max_bounces,
             ..ProbeSettings::default()
         };

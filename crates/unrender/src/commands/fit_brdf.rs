@@ -6,7 +6,7 @@ use crate::{Error, interrupt, output};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use unrender_formats::{FileError, Input, atomic, merl, picture};
-use unrender_recover::measured::{Form, chosen, fit};
+use unrender_measured::{Form, chosen, fit};
 use unrender_scene::BrdfModel;
 
 /// Fits the materials of this program to a measured BRDF.

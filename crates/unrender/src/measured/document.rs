@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use unrender_formats::materials::ReflectanceEntry;
-use unrender_recover::measured::Fit;
+use unrender_measured::Fit;
 use unrender_scene::MeasuredBrdf;
 
 /// `fits.json`: what was fitted to a measured BRDF.

@@ -6,7 +6,7 @@
 
 use glam::{Mat3, Vec3};
 use std::f32::consts::PI;
-use unrender_recover::measured::Fit;
+use unrender_measured::Fit;
 use unrender_render::bsdf::Bsdf;
 use unrender_scene::color::{linear_from_srgb, srgb_from_linear};
 use unrender_scene::{MeasuredBrdf, Rgb, RgbImage};
@@ -86,7 +86,7 @@ fn sphere(f: &dyn Fn(Vec3, Vec3) -> Rgb) -> RgbImage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use unrender_recover::measured::{Form, fit};
+    use unrender_measured::{Form, fit};
 
     #[test]
     fn a_perfect_fit_leaves_middle_grey_and_a_dark_one_is_darker() {

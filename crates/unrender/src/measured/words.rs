@@ -3,7 +3,7 @@
 use crate::text_table;
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
 use unrender_formats::materials::{GroupEntry, MaterialsFile, ReflectanceEntry, VERSION};
-use unrender_recover::measured::Fit;
+use unrender_measured::Fit;
 use unrender_scene::{Hypothesis, Reflectance, Rgb};
 
 /// The significant digits of numbers in a project file: no table is measured to half as many, and double of them is what

@@ -7,7 +7,7 @@ use super::values::{number, reflectance};
 use std::collections::BTreeMap;
 use toml::Value;
 use unrender_recover::Expected;
-use unrender_recover::expected::ALPHA_RANGE;
+use unrender_scene::reflectance::ALPHA_RANGE;
 use unrender_scene::{BrdfModel, Hypothesis, Rgb};
 
 /// The keys that are stated for a group.

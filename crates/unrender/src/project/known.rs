@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::Value;
 use unrender_formats::materials::ReflectanceEntry;
 use unrender_formats::{FileError, Input, Limits, materialx, merl};
-use unrender_recover::measured::{Form, chosen, fit};
+use unrender_measured::{Form, chosen, fit};
 use unrender_scene::{BrdfModel, Layering, Material, Rgb, Scene, Warnings};
 
 /// A known material in the project; parts that are left out do not exist: no texture, no lobe.

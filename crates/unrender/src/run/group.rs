@@ -59,7 +59,7 @@ pub struct DecisionEntry {
     pub deviation: Option<f64>,
     /// By how much the difference has to be below zero.
     pub price: Option<f64>,
-    /// The gain, `difference` with the other sign, in standard deviations; left out where it has none.
+    /// The gain before its price, `difference` with the other sign, in standard deviations; left out where it has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigmas: Option<f64>,
     /// Whether the change was made.

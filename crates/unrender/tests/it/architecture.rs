@@ -10,21 +10,22 @@ use std::path::{Path, PathBuf};
 const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "SECURITY.md"];
 
 /// Which crates of the workspace each crate may use.
-const DIRECTIONS: [(&str, &[&str]); 10] = [
+const DIRECTIONS: [(&str, &[&str]); 11] = [
     ("scene", &[]),
     ("formats", &["scene"]),
     ("render", &["scene"]),
     ("photo", &["scene"]),
     ("register", &["scene", "render"]),
     ("recover", &["scene", "render", "register"]),
+    ("measured", &["scene", "render"]),
     ("paper", &["scene", "render", "recover"]),
     ("remote", &["scene", "render"]),
     ("restage", &["scene", "render"]),
     (
         "unrender",
         &[
-            "scene", "formats", "render", "photo", "register", "recover", "paper", "remote",
-            "restage",
+            "scene", "formats", "render", "photo", "register", "recover", "measured", "paper",
+            "remote", "restage",
         ],
     ),
 ];

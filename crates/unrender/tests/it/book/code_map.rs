@@ -7,13 +7,14 @@ const PAGE: &str = "docs/code-map.md";
 const MARKS: (&str, &str) = ("<!-- the code map -->", "<!-- end of the code map -->");
 
 /// The folders of code, each with its own table, and the endings of their files.
-const FOLDERS: [(&str, &[&str]); 17] = [
+const FOLDERS: [(&str, &[&str]); 18] = [
     ("crates/scene/src", &[".rs"]),
     ("crates/formats/src", &[".rs"]),
     ("crates/photo/src", &[".rs"]),
     ("crates/render/src", &[".rs"]),
     ("crates/register/src", &[".rs"]),
     ("crates/recover/src", &[".rs"]),
+    ("crates/measured/src", &[".rs"]),
     ("crates/paper/src", &[".rs"]),
     ("crates/remote/src", &[".rs"]),
     ("crates/restage/src", &[".rs"]),

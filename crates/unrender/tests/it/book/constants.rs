@@ -5,8 +5,13 @@ use std::fs;
 
 const PAGE: &str = "docs/constants.md";
 const MARKS: (&str, &str) = ("<!-- the constants -->", "<!-- end of the constants -->");
-const FOLDERS: [&str; 4] =
-    ["crates/register/src", "crates/recover/src", "crates/paper/src", "crates/remote/src"];
+const FOLDERS: [&str; 5] = [
+    "crates/register/src",
+    "crates/recover/src",
+    "crates/measured/src",
+    "crates/paper/src",
+    "crates/remote/src",
+];
 
 /// A constant as its file declares it. One that follows another on the next line shares its comment.
 struct Constant {

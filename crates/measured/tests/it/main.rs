@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use std::f32::consts::PI;
-use unrender_recover::measured::{Fit, Form, chosen, fit};
+use unrender_measured::{Fit, Form, chosen, fit};
 use unrender_scene::{BrdfModel, Hypothesis, MeasuredBrdf, Rgb};
 
 /// A coarse table: MERL's own has 90 x 90 x 180 cells.

@@ -1,7 +1,6 @@
 //! The reflectances that are fitted to a measured BRDF, and the numbers that each has.
 
-use crate::expected::ALPHA_RANGE;
-use unrender_scene::reflectance::IOR_MAX;
+use unrender_scene::reflectance::{ALPHA_RANGE, IOR_MAX};
 use unrender_scene::{BrdfModel, Hypothesis, Layering, Material, Rgb};
 
 /// The least refractive index of a fit: a project file wants one above 1. It reflects 0.002 % at normal incidence; half or

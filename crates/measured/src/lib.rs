@@ -67,7 +67,7 @@ const LEAST_SAMPLES: usize = 12;
 /// The best fit to `table` of each of `forms`, in their order.
 ///
 /// ```
-/// use unrender_recover::measured::{Form, fit};
+/// use unrender_measured::{Form, fit};
 /// use unrender_scene::{Hypothesis, MeasuredBrdf, Rgb};
 ///
 /// // Chalk: the same in all directions.
@@ -75,7 +75,7 @@ const LEAST_SAMPLES: usize = 12;
 /// let fits = fit(&table, &Form::of(Some("ggx".parse().unwrap())))?;
 /// assert_eq!(fits[0].form.hypothesis, Hypothesis::Diffuse);
 /// assert!((fits[0].material.rho_d.x - 0.6).abs() < 1e-4 && fits[0].errors.compressed < 1e-5);
-/// # Ok::<(), unrender_recover::measured::TooFew>(())
+/// # Ok::<(), unrender_measured::TooFew>(())
 /// ```
 ///
 /// # Errors
