@@ -120,7 +120,8 @@ impl Driver<'_, '_> {
         while !self.progress.is_cancelled() {
             present.guess = refine::settle_nuisances(present.guess, self.options)?;
             if been.insert(place(&present.guess)) {
-                self.candidates.ask_again(&self.in_other_light(&present, by.0));
+                let asked_in = |group| self.candidates.asked_in(group);
+                self.candidates.ask_again(&self.changed(&present, asked_in, by.0));
             }
             let proposals = self.candidates.propose_worst(&mut present, by.0, self.progress);
             if proposals.is_empty() {
@@ -177,7 +178,7 @@ impl Driver<'_, '_> {
             let before = found.score.clone();
             self.candidates.ask_again(&self.candidates.open(&found.guess, by.0));
             present = self.choose(found, by)?;
-            let mut again = self.changed(&present, &before, by.0);
+            let mut again = self.changed(&present, |_| Some(&*before), by.0);
             again.retain(|group| is_textured(&present.guess, *group));
             proposals = self.candidates.textures(&mut present.guess, &again, by.0, self.progress);
             proposals.retain(|other| other.hypothesis != Hypothesis::Textured);
@@ -235,23 +236,20 @@ impl Driver<'_, '_> {
         Ok(self.refine_once(present.guess, Depth::Fine))
     }
 
-    /// The groups whose light differs from that in which they were asked by more than the error that is always allowed for.
-    fn in_other_light(&self, now: &Verified<'_>, level: Level) -> Vec<usize> {
-        let tolerated = sample_budget::allowance(level, self.options).light.share;
-        let is_other = |group: &usize| {
-            let asked = self.candidates.asked_in(*group);
-            asked
-                .is_some_and(|then| self.verifier.is_changed(*group, [&now.score, then], tolerated))
-        };
-        now.guess.visible_unknowns().into_iter().filter(is_other).collect()
-    }
-
-    /// The groups whose light differs between a guess and the score `before` by more than the error that is always
+    /// The groups whose light differs between a guess and a score of `before` by more than the error that is always
     /// allowed for: a smaller change decides nothing.
-    fn changed(&self, now: &Verified<'_>, before: &Score, level: Level) -> Vec<usize> {
+    fn changed<'s>(
+        &self,
+        now: &Verified<'_>,
+        before: impl Fn(usize) -> Option<&'s Score>,
+        level: Level,
+    ) -> Vec<usize> {
         let tolerated = sample_budget::allowance(level, self.options).light.share;
-        let changed = self.verifier.changed(&now.score, before, tolerated);
-        now.guess.visible_unknowns().into_iter().filter(|group| changed.contains(group)).collect()
+        let is_changed = |group: &usize| {
+            let scores = before(*group).map(|before| [&*now.score, before]);
+            scores.is_some_and(|scores| self.verifier.is_changed(*group, scores, tolerated))
+        };
+        now.guess.visible_unknowns().into_iter().filter(is_changed).collect()
     }
 
     /// One joint refinement.

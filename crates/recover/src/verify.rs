@@ -135,14 +135,8 @@ impl Verifier {
         Score { groups: self.groups.iter().map(of_group).collect() }
     }
 
-    /// The groups whose light differs between the scores `mine` and `other` by more than the `share` of it: what they show,
-    /// or what a surface of the same kind has to reflect for that.
-    pub(crate) fn changed(&self, mine: &Score, other: &Score, share: f64) -> Vec<usize> {
-        let groups = self.groups.iter().map(|sample| sample.group);
-        groups.filter(|group| self.is_changed(*group, [mine, other], share)).collect()
-    }
-
-    /// The same of one group.
+    /// Whether the light of `group` differs between two scores by more than the `share` of it: what it shows, or what a surface of
+    /// the same kind has to reflect for that.
     pub(crate) fn is_changed(&self, group: usize, scores: [&Score; 2], share: f64) -> bool {
         let place = self.groups.iter().position(|sample| sample.group == group);
         place.is_some_and(|place| {
@@ -227,5 +221,46 @@ impl GroupSample {
             .map(|of| LightField { least: of.least.light, ..self.sample.field.clone() });
         let sides = [mine.side(&fields[0]), other.side(&fields[1])];
         Contrast::of(&self.sample.blocks, sides.each_ref())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observe::model_error::ModelError;
+
+    /// A group of this reflectance that shows one unit of light.
+    fn score(kind: Hypothesis, reflectance: f32) -> GroupScore {
+        let one = || vec![Rgb::ONE];
+        let none = || vec![Rgb::ZERO];
+        let residuals = BlockResiduals {
+            residual: none(),
+            noise: none(),
+            rendering: none(),
+            half: none(),
+            missing: none(),
+            level2: one(),
+            light: one(),
+        };
+        GroupScore {
+            residuals,
+            least: Allowance {
+                light: LightError { share: 0.03 },
+                floor: ModelError { share: 0.01 },
+            },
+            residual: ResidualStats::default(),
+            reflects: (kind, Rgb::splat(reflectance)),
+        }
+    }
+
+    #[test]
+    fn light_that_a_fit_has_made_up_for_shows_in_what_the_group_reflects() {
+        let before = score(Hypothesis::Diffuse, 0.5);
+        let twice_the_light = score(Hypothesis::Diffuse, 0.25);
+        assert_eq!(twice_the_light.residuals.change_from(&before.residuals), 0.0);
+        assert!(twice_the_light.reflects_otherwise(&before, 0.03));
+        assert!(!score(Hypothesis::Diffuse, 0.49).reflects_otherwise(&before, 0.03));
+        // Surfaces of two kinds reflect different shares of the same light.
+        assert!(!score(Hypothesis::Mirror, 1.0).reflects_otherwise(&before, 0.03));
     }
 }
