@@ -190,11 +190,12 @@ impl Light {
         material: &Material,
         light: impl Fn(&Probe) -> Rgb + Sync,
     ) -> [Vec<Rgb>; 2] {
-        let Reflectance::Dielectric { ior, .. } = material.reflectance else {
+        let Reflectance::Dielectric { ior, layering } = material.reflectance else {
             return self.each(|probe| probe.throughput * light(probe));
         };
-        let albedo = LobeAlbedo::dielectric(ior, (material.alpha_x * material.alpha_y).sqrt());
-        self.sets.each_ref().map(|set| set.base(&albedo, &light))
+        let alpha = (material.alpha_x * material.alpha_y).sqrt();
+        let taken = LobeAlbedo::over(layering, ior, alpha);
+        self.sets.each_ref().map(|set| set.base((alpha, &taken), &light))
     }
 
     /// The specular basis of `material`, twice: what its `rho_s` is the factor of.
@@ -294,12 +295,16 @@ impl Gathered {
     }
 
     /// `D`, or its part in this `light`, under the lobe of a dielectric of this `albedo`.
-    fn base(&self, albedo: &LobeAlbedo, light: &(impl Fn(&Probe) -> Rgb + Sync)) -> Vec<Rgb> {
+    fn base(
+        &self,
+        (alpha, taken): (f32, &LobeAlbedo),
+        light: &(impl Fn(&Probe) -> Rgb + Sync),
+    ) -> Vec<Rgb> {
         self.numbered(|i| {
             let probe = &self.probes[i];
             let share = match &self.coated {
-                Some(coated) => coated.base(i, probe, albedo),
-                None => 1.0 - albedo.at(probe.wo.z),
+                Some(coated) => coated.base(i, probe, alpha, taken),
+                None => 1.0 - taken.at(probe.wo.z),
             };
             share * probe.throughput * light(probe)
         })

@@ -206,13 +206,16 @@ impl Material {
         Self { reflectance, ..Self::isotropic(Rgb::ZERO, f0, alpha) }
     }
 
-    /// The diffuse reflectance as seen at normal incidence, as a share of `rho_d`: what a dielectric's lobe lets through, one
-    /// for all others. It does not depend on the layering.
+    /// The diffuse reflectance as lit and seen along the normal, as a share of `rho_d`: what a dielectric's lobe lets through,
+    /// one for all others.
     pub fn base_seen(&self) -> f32 {
         let alpha = (self.alpha_x * self.alpha_y).sqrt();
-        match self.reflectance {
-            Reflectance::Dielectric { ior, .. } => 1.0 - LobeAlbedo::dielectric(ior, alpha).at(1.0),
-            Reflectance::Free | Reflectance::Metal { .. } => 1.0,
+        let Reflectance::Dielectric { ior, layering } = self.reflectance else { return 1.0 };
+        let taken = LobeAlbedo::over(layering, ior, alpha);
+        let through = 1.0 - taken.at(1.0);
+        match layering {
+            Layering::AlbedoScaled => through,
+            Layering::Coupled => through * through / (1.0 - taken.mean().value),
         }
     }
 
@@ -229,7 +232,11 @@ impl Material {
         if is_even && matches!(self.reflectance, Reflectance::Dielectric { .. }) {
             return self.without_lobe();
         }
-        let seen = self.base_seen();
+        // No more light leaves than arrives.
+        let seen = match self.reflectance {
+            Reflectance::Dielectric { .. } => self.base_seen().min(1.0 - self.rho_s.max_element()),
+            Reflectance::Free | Reflectance::Metal { .. } => 1.0,
+        };
         let texture = self
             .texture
             .map(|texture| if seen == 1.0 { texture } else { Arc::new(texture.scaled(seen)) });

@@ -4,16 +4,18 @@
 //! equations: a *dielectric* (plastic, varnish, stone) reflects `F(cos; ior)` at each microfacet and lets the rest
 //! through to its base; a *metal* reflects `F0 + (1 - F0)(1 - cos)^5` by channel [Schlick 1994] and has no base.
 //!
-//! With `E(v)` the albedo of the dielectric lobe in the direction `v` ([`crate::lobe_albedo`]), the base contributes
+//! With `E(v)` the albedo of the dielectric lobe in the direction `v`, and `T(v)` the share of light that enters from there at
+//! the first hit ([`crate::lobe_albedo`]), the base contributes
 //!
 //! ```text
 //! albedo-scaled:  rho_d/pi (1 - E(o))
-//! coupled:        rho_d/pi (1 - E(i)) (1 - E(o)) / (1 - Eavg),   Eavg = 2 integral E cos dcos
+//! coupled:        rho_d/pi T(i) T(o) / Tavg,   Tavg = 2 integral T cos dcos
 //! ```
 //!
 //! The first is that of Blender's Principled BSDF, glTF and OpenPBR; the second is reciprocal [Kelemen and Szirmay-Kalos
-//! 2001], and for a smooth surface that of Mitsuba's plastics. Both are linear in `rho_d` and have the same albedo,
-//! `E(o) + rho_d (1 - E(o))`, under even light, so that `rho_d` is one thing: Blender's *Base Color*.
+//! 2001], and that of Mitsuba's plastics. Both are linear in `rho_d` and, for a smooth surface, where `T = 1 - E`, have the same
+//! albedo, `E(o) + rho_d (1 - E(o))`, under even light, so that `rho_d` is one thing: Blender's *Base Color*. A rough coupled
+//! one loses what its microfacets scatter more than once.
 
 use crate::Rgb;
 use serde::{Deserialize, Serialize};

@@ -70,7 +70,7 @@ pub struct GroupEntry {
     pub status: Option<StatusEntry>,
     /// Diffuse reflectance; the mean of a texture. Under a dielectric it is the base: Blender's *Base Color*.
     pub rho_d: Option<[f32; 3]>,
-    /// The diffuse reflectance as seen at normal incidence: `rho_d` times the share of light that a dielectric lets
+    /// The diffuse reflectance as lit and seen at normal incidence: `rho_d` times the share of light that a dielectric lets
     /// through. Not read.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub albedo_d: Option<[f32; 3]>,
@@ -135,7 +135,7 @@ pub fn write(path: &Path, file: &MaterialsFile) -> Result<(), FileError> {
 }
 
 impl GroupEntry {
-    /// The share of `rho_d` that is seen at normal incidence: what a dielectric lets through.
+    /// The share of `rho_d` that is seen at normal incidence, under light from there: what a dielectric lets through.
     pub fn base_seen(&self) -> f32 {
         let alpha_x = self.alpha_x.or(self.alpha_y).unwrap_or(0.0);
         let mut material = Material {
@@ -150,7 +150,7 @@ impl GroupEntry {
         if applied.is_ok() { material.base_seen() } else { 1.0 }
     }
 
-    /// The diffuse reflectance as seen at normal incidence.
+    /// The diffuse reflectance as lit and seen at normal incidence.
     pub fn seen_albedo(&self) -> Option<[f32; 3]> {
         self.albedo_d.or_else(|| self.rho_d.map(|rho| rho.map(|rho| rho * self.base_seen())))
     }

@@ -77,20 +77,7 @@ fn judged(
 ) -> Option<Found> {
     let geometry = stage.renderer.geometry();
     let lit = |lobe: &Material| Lit::of(stage, group, (light, pixels), lobe).smoothed(geometry);
-    let black = Material::diffuse(Rgb::ZERO);
     let model = stage.renderer.model();
-    let plain = lit(&black);
-    let judge = Judge::of(&plain, geometry)?;
-    let may_be_plastic = model.is_principled() && plastic::is_within(by.bounds);
-    let roughness = may_be_plastic.then(|| {
-        let lobes: Vec<(f32, Lit)> = roughnesses(by.uniform)
-            .into_iter()
-            .map(|alpha| (alpha, lit(&plastic::of_alpha(model, alpha))))
-            .collect();
-        judge.roughness(&plain, &lobes)
-    });
-    let lobe = roughness.flatten().map(|alpha| plastic::of_alpha(model, alpha));
-    let lobe = lobe.unwrap_or_else(|| by.plain.clone());
     let shown = |uniform: &Material| {
         let lit = lit(uniform);
         [0, 1].map(|half: usize| -> Vec<Rgb> {
@@ -99,7 +86,18 @@ fn judged(
         })
     };
     let shown: Vec<[Vec<Rgb>; 2]> = by.uniform.iter().map(shown).collect();
-    let pattern = judge.predicted(&lit(&lobe), &shown);
+    let judge = Judge::of(&lit(&Material::diffuse(Rgb::ZERO)), &shown, geometry)?;
+    let may_be_plastic = model.is_principled() && plastic::is_within(by.bounds);
+    let roughness = may_be_plastic.then(|| {
+        let lobes: Vec<(f32, Lit)> = roughnesses(by.uniform)
+            .into_iter()
+            .map(|alpha| (alpha, lit(&plastic::of_alpha(model, alpha))))
+            .collect();
+        judge.roughness(&lit(&by.plain), &lobes)
+    });
+    let lobe = roughness.flatten().map(|alpha| plastic::of_alpha(model, alpha));
+    let lobe = lobe.unwrap_or_else(|| by.plain.clone());
+    let pattern = judge.predicted(&lit(&lobe));
     Some(Found { lobe, pattern })
 }
 

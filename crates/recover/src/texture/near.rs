@@ -43,20 +43,6 @@ impl Near {
         self.places.iter().map(|[x, y]| y / side * across + x / side).collect()
     }
 
-    /// The index of every pixel of the rectangle, row by row; `u32::MAX` where there is none.
-    pub(super) fn index(&self) -> Vec<u32> {
-        let mut index = vec![u32::MAX; self.size[0] * self.size[1]];
-        for (i, [x, y]) in self.places.iter().enumerate() {
-            index[y * self.size[0] + x] = i as u32;
-        }
-        index
-    }
-
-    /// The columns of the rectangle.
-    pub(super) fn width(&self) -> usize {
-        self.size[0]
-    }
-
     /// The means of `values` under a Gaussian of the standard deviation `sigma`, pixels, with these weights; where there
     /// is hardly any weight nearby, towards zero.
     pub(super) fn blurred(&self, values: &[Rgb], weights: &[f32], sigma: f32) -> Vec<Rgb> {

@@ -16,6 +16,9 @@
 //! The lobe of a plastic has one number, its roughness, since Fresnel's equations fix how strong it is. It is the one under
 //! which texels that repeat predict best, across large squares and without `g`: the same texels are seen in and out of the
 //! highlight.
+//!
+//! Squares count in units of the variance that the best uniform reflectance leaves around them: where a highlight or the edge
+//! of a shadow is modelled badly, what is left is large under every model, and says little.
 
 use super::both;
 use super::footprint::{Footprint, Rows, lattice};
@@ -72,8 +75,13 @@ const SIDE_MAX: f32 = 1024.0;
 /// Rounds in which the slow part and the texels are fitted in turn. One leaves a part of the texture to the slow one; more
 /// change nothing.
 const ROUNDS: usize = 2;
-/// Relative residuals count up to so many robust standard deviations, but for lobes, whose highlights are the largest.
+/// Relative residuals count up to so many robust standard deviations: a highlight in a single place is no certainty, however
+/// bright it is. Half and double of it were not tried.
 const FAR: f32 = 4.0;
+/// What the best uniform reflectance leaves is averaged over so many pixels around, a standard deviation: less follow single
+/// pixels, which then count most where they are explained by chance; more do not tell a highlight's place from others. Half and
+/// double of it were not tried.
+const AROUND: f32 = 6.0;
 
 /// The roughnesses that are tried, closer to each other than the photograph can tell. Smoother lobes are nearly mirrors,
 /// whose images no texels predict.
@@ -124,13 +132,20 @@ pub(super) struct Judge {
     texels: Texels,
     /// The radiance of a diffuse surface of the mean reflectance, in which all residuals are measured.
     unit: Vec<Rgb>,
-    /// What it leaves of the photograph, in this unit.
-    plain: Vec<Rgb>,
+    /// What uniform reflectances leave of the photograph, in this unit, twice.
+    uniform: Vec<[Vec<Rgb>; 2]>,
+    /// The mean square of what the best of them leaves around each pixel.
+    variance: Vec<f32>,
 }
 
 impl Judge {
-    /// Of the pixels of `plain`, which has no lobe; none without texture coordinates.
-    pub(super) fn of(plain: &Lit, geometry: &GeometryBuffers) -> Option<Self> {
+    /// Of the pixels of `plain`, which has no lobe and of which uniform reflectances show `uniform`, twice; none without
+    /// texture coordinates.
+    pub(super) fn of(
+        plain: &Lit,
+        uniform: &[[Vec<Rgb>; 2]],
+        geometry: &GeometryBuffers,
+    ) -> Option<Self> {
         let footprint = |pixel: &u32| Footprint::of(geometry, *pixel as usize);
         let footprints: Vec<Footprint> = plain.pixels.iter().map(footprint).collect();
         let lattice = lattice(&footprints, DENSITY, SIDE_MAX)?;
@@ -139,36 +154,35 @@ impl Judge {
         let light = plain.light();
         let (mean, dark) = (mean_reflectance(&plain.shown, &light), dark(&light));
         let unit: Vec<Rgb> = light.iter().map(|d| mean * d.max(dark)).collect();
-        let left: Vec<Rgb> =
-            plain.shown.iter().zip(&unit).map(|(shown, unit)| *shown / *unit - 1.0).collect();
-        let far = far(&left);
-        let left = left.into_iter().map(|r| r.clamp(-far, far)).collect();
-        Some(Self { near, texels, unit, plain: left })
+        let uniform: Vec<_> =
+            uniform.iter().map(|shows| over(&plain.shown, shows, &unit)).collect();
+        let around: Vec<Vec<f32>> = uniform.iter().map(|left| around(&near, left)).collect();
+        let least = |i: usize| around.iter().map(|of| of[i]).fold(f32::INFINITY, f32::min);
+        let variance = (0..unit.len()).map(least).collect();
+        Some(Self { near, texels, unit, uniform, variance })
     }
 
     /// The roughness of the lobe under which texels that repeat predict best, by those of `lobes`, ascending; none if they
-    /// do not certainly predict better than without a lobe.
+    /// do not certainly predict better than under the `plain` one.
     pub(super) fn roughness(&self, plain: &Lit, lobes: &[(f32, Lit)]) -> Option<f32> {
         let weights = self.weights(&REPEATS);
         let left =
             |lit: &Lit| self.textured(&Relative::of(lit, self), &REPEATS, &weights, ALIKE_REPEATED);
-        let without = left(plain);
         let all: Vec<Vec<f64>> = lobes.iter().map(|(_, lit)| left(lit)).collect();
         let alphas: Vec<f32> = lobes.iter().map(|(alpha, _)| *alpha).collect();
         let errors: Vec<f64> = all.iter().map(|left| left.iter().sum()).collect();
         let best = (0..errors.len()).min_by(|a, b| errors[*a].total_cmp(&errors[*b]))?;
-        let gain = self.pattern(&REPEATS, &weights, [&without, &all[best]]);
+        let gain = self.pattern(&REPEATS, &weights, [&left(plain), &all[best]]);
         (gain.certainty() > CERTAIN).then(|| vertex(&alphas, &errors, best))
     }
 
-    /// What texels under the lobe of `lit` predict beyond what uniform reflectances do, which show `uniform`, twice.
-    pub(super) fn predicted(&self, lit: &Lit, uniform: &[[Vec<Rgb>; 2]]) -> Pattern {
+    /// What texels under the lobe of `lit` predict beyond what uniform reflectances do.
+    pub(super) fn predicted(&self, lit: &Lit) -> Pattern {
         let relative = Relative::of(lit, self);
-        let others: Vec<_> = uniform.iter().map(|shows| self.over(&lit.shown, shows)).collect();
         let of_scale = |scale: &Scale| {
             let weights = self.weights(scale);
             let mut uniform = vec![self.slow(&relative, scale, &weights)];
-            uniform.extend(others.iter().map(|other| self.left(other, scale, &weights)));
+            uniform.extend(self.uniform.iter().map(|other| self.left(other, scale, &weights)));
             let of = |alike: &f32| {
                 let textured = self.textured(&relative, scale, &weights, *alike);
                 // The texture has to beat all of them.
@@ -209,14 +223,6 @@ impl Judge {
         let contrast = |gain: f64| gain.signum() * (gain.abs() / all.max(1e-30)).sqrt();
         let at_most = contrast(gain + WORSE * deviation);
         Pattern { contrast: contrast(gain), gain, deviation, at_most }
-    }
-
-    /// What is left of `shown` under a light, twice, in units.
-    fn over(&self, shown: &[Rgb], light: &[Vec<Rgb>; 2]) -> [Vec<Rgb>; 2] {
-        light.each_ref().map(|half| {
-            let pixels = shown.iter().zip(half).zip(&self.unit);
-            pixels.map(|((shown, light), unit)| (*shown - *light) / *unit).collect()
-        })
     }
 
     /// The weighted square that each pixel leaves under a light that may be wrong slowly; `left` twice by its halves.
@@ -273,14 +279,14 @@ impl Judge {
     ) -> Vec<f64> {
         let inside = self.near.checkers(scale.square, scale.gap);
         let all = self.near.checkers(scale.square, 0);
-        let far = if scale.slow > 0.0 { far(&self.plain) } else { Rgb::INFINITY };
+        let far = |i: usize| Rgb::splat(far_of(self.variance[i].sqrt()));
         let mut squares = vec![0.0; weights.len()];
         for fitted in [0, 1] {
             let weight = |i: usize| if inside[i] == (fitted, true) { weights[i] } else { 0.0 };
             let of_fitted: Vec<f32> = (0..weights.len()).map(weight).collect();
             fit(&of_fitted, &mut |left| {
                 for i in (0..weights.len()).filter(|i| all[*i].0 != fitted) {
-                    let [a, b] = left(i).map(|half| half.clamp(-far, far));
+                    let [a, b] = left(i).map(|half| half.clamp(-far(i), far(i)));
                     squares[i] = f64::from(weights[i] * (a * b).element_sum());
                 }
             });
@@ -288,35 +294,34 @@ impl Judge {
         squares
     }
 
-    /// Inverse variances by the second differences of neighbours, averaged around each pixel; and the even share of the
-    /// usual one, and a percent.
+    /// Inverse variances: what the best uniform reflectance leaves around each pixel, and the even share of the usual one, and a
+    /// percent.
     fn weights(&self, scale: &Scale) -> Vec<f32> {
-        /// The scatter is averaged over so many pixels around, a standard deviation.
-        const AROUND: f32 = 4.0;
-        let (index, width) = (self.near.index(), self.near.width());
-        let scatter = |[x, y]: &[usize; 2], i: usize| {
-            let at = |place: Option<usize>| self.plain.get(*index.get(place?)? as usize).copied();
-            let here = y * width + x;
-            let right = (x + 1 < width).then_some(here + 1);
-            let left = (*x > 0).then(|| here - 1);
-            let pairs =
-                [(at(left), at(right)), (at(here.checked_sub(width)), at(Some(here + width)))];
-            let both = pairs.into_iter().filter_map(|(a, b)| Some((a?, b?)));
-            let (sum, count) = both.fold((0.0, 0.0), |(sum, count), (a, b)| {
-                let difference = self.plain[i] - 0.5 * (a + b);
-                (sum + difference.length_squared() / 4.5, count + 1.0)
-            });
-            (sum / f32::max(count, 1.0), f32::min(count, 1.0))
-        };
-        let scattered = self.near.places.iter().enumerate().map(|(i, place)| scatter(place, i));
-        let (squares, counts): (Vec<Rgb>, Vec<f32>) =
-            scattered.map(|(square, count)| (Rgb::splat(square), count)).unzip();
-        let around = self.near.blurred(&squares, &counts, AROUND);
-        let mut sorted: Vec<f32> = around.iter().map(|around| around.x).collect();
+        let mut sorted = self.variance.clone();
         sorted.sort_by(f32::total_cmp);
         let usual = scale.even * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
-        around.iter().map(|around| 1.0 / (around.x + usual + 1e-4)).collect()
+        self.variance.iter().map(|variance| 1.0 / (variance + usual + 1e-4)).collect()
     }
+}
+
+/// What is left of `shown` under a light, twice, in these units.
+fn over(shown: &[Rgb], light: &[Vec<Rgb>; 2], unit: &[Rgb]) -> [Vec<Rgb>; 2] {
+    light.each_ref().map(|half| {
+        let pixels = shown.iter().zip(half).zip(unit);
+        pixels.map(|((shown, light), unit)| (*shown - *light) / *unit).collect()
+    })
+}
+
+/// The mean square around each pixel of what is `left`, twice, beside what changes slowly.
+fn around(near: &Near, left: &[Vec<Rgb>; 2]) -> Vec<f32> {
+    let middle = mean(left);
+    let even = vec![1.0; middle.len()];
+    let slow = near.blurred(&middle, &even, AROUND);
+    let fast: Vec<Rgb> = middle.iter().zip(&slow).map(|(all, slow)| *all - *slow).collect();
+    let far = far(&fast);
+    let square = |r: &Rgb| Rgb::splat(r.clamp(-far, far).length_squared() / 3.0);
+    let squares: Vec<Rgb> = fast.iter().map(square).collect();
+    near.blurred(&squares, &even, AROUND).iter().map(|around| around.x).collect()
 }
 
 /// What a group shows relative to its mean reflectance under a lobe.
@@ -340,7 +345,7 @@ impl Relative {
         let white = lit.base.each_ref().map(|half| {
             half.iter().zip(&judge.unit).map(|(light, unit)| m * *light / *unit).collect()
         });
-        Self { base, under: judge.over(&lit.shown, &lit.shine), light: white }
+        Self { base, under: over(&lit.shown, &lit.shine, &judge.unit), light: white }
     }
 
     /// What is left of the pixel of this number with each half of the light, if it is so much brighter than the mean.
@@ -368,9 +373,14 @@ fn far(values: &[Rgb]) -> Rgb {
         if sizes.is_empty() {
             return 0.0;
         }
-        FAR / 0.6745 * *sizes.select_nth_unstable_by(middle, f32::total_cmp).1 + 0.05
+        far_of(*sizes.select_nth_unstable_by(middle, f32::total_cmp).1 / 0.6745)
     };
     Rgb::from_array([0, 1, 2].map(of))
+}
+
+/// So many of this standard deviation, and a little.
+fn far_of(deviation: f32) -> f32 {
+    FAR * deviation + 0.05
 }
 
 /// The least of a parabola through three of the `errors` about the least one, over the logarithms of `alphas`.

@@ -1,7 +1,7 @@
 //! Ten textures and ten patterns that are none, in closed form.
 
 use super::lit::Lit;
-use super::pattern::{Judge, Pattern};
+use super::pattern::{ALPHAS, Judge, Pattern};
 use crate::observe::observation::Noise;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -56,10 +56,9 @@ struct Pixel {
 const PLAIN: Pixel =
     Pixel { pattern: Rgb::ONE, light: 1.0, known: [1.0; 2], added: 0.0, lobe: 0.0, noise: 0.0 };
 
-/// What is predicted of the `pixels`, by column and row, of a plane whose texture repeats after so many.
-fn predicted(period: f32, pixels: impl Fn(usize, usize) -> Pixel) -> Pattern {
+/// The `pixels`, by column and row, of a plane whose texture repeats after so many, without a lobe; and their judge.
+fn judged(period: f32, pixels: impl Fn(usize, usize) -> Pixel) -> (Lit, Judge) {
     let all: Vec<Pixel> = (0..SIDE * SIDE).map(|i| pixels(i % SIDE, i / SIDE)).collect();
-    let geometry = plane(period);
     let half = |h: usize| all.iter().map(|p| Rgb::splat(p.known[h])).collect::<Vec<Rgb>>();
     let shown = |p: &Pixel| (0.4 * p.light * p.pattern + p.added) * (1.0 + p.noise);
     let lit = Lit {
@@ -74,7 +73,50 @@ fn predicted(period: f32, pixels: impl Fn(usize, usize) -> Pixel) -> Pattern {
         all.iter().map(|p| Rgb::splat(0.4 * p.known[h] + p.lobe)).collect()
     });
     let plain = [0, 1].map(|h: usize| all.iter().map(|p| Rgb::splat(0.4 * p.known[h])).collect());
-    Judge::of(&lit, &geometry).unwrap().predicted(&lit, &[uniform, plain])
+    let judge = Judge::of(&lit, &[uniform, plain], &plane(period)).unwrap();
+    (lit, judge)
+}
+
+/// What is predicted of them.
+fn predicted(period: f32, pixels: impl Fn(usize, usize) -> Pixel) -> Pattern {
+    let (lit, judge) = judged(period, pixels);
+    judge.predicted(&lit)
+}
+
+/// A highlight around the middle of the plane whose width is that of a lobe of the roughness `alpha`.
+fn highlight(alpha: f32, x: usize, y: usize) -> f32 {
+    let far = (x as f32 - 40.0).powi(2) + (y as f32 - 40.0).powi(2);
+    0.02 / alpha * (-0.5 * far / (160.0 * alpha).powi(2)).exp()
+}
+
+/// The roughness of the lobe over the texture of the `pixels`.
+fn roughness(pixels: impl Fn(usize, usize) -> Pixel) -> Option<f32> {
+    let (plain, judge) = judged(16.0, pixels);
+    let under = |alpha: f32| {
+        let shine = plain.pixels.iter().map(|i| {
+            let (x, y) = (*i as usize % SIDE, *i as usize / SIDE);
+            Rgb::splat(highlight(alpha, x, y))
+        });
+        let shine: Vec<Rgb> = shine.collect();
+        (alpha, Lit { shine: [shine.clone(), shine], ..plain.clone() })
+    };
+    judge.roughness(&plain, &ALPHAS.map(under))
+}
+
+#[test]
+fn a_lobe_over_a_texture_is_found_where_its_highlight_covers_several_places() {
+    let textured = |x: usize, y: usize, added: f32| Pixel {
+        added,
+        lobe: added,
+        noise: 0.02 * noise(1, y * SIDE + x),
+        ..grey(0.3 * sine(x, 16.0) * sine(y, 8.0))
+    };
+    let found = roughness(|x, y| textured(x, y, highlight(0.14, x, y))).unwrap();
+    assert!((found / 0.14 - 1.0).abs() < 0.1, "{found}");
+    assert_eq!(roughness(|x, y| textured(x, y, 0.0)), None);
+    // A bright thing in one place, however bright.
+    let bright = |x: usize, y: usize| if x.abs_diff(40) + y.abs_diff(40) < 6 { 50.0 } else { 0.0 };
+    assert_eq!(roughness(|x, y| Pixel { added: bright(x, y), ..textured(x, y, 0.0) }), None);
 }
 
 /// A picture that is smooth over so many pixels, without repeats.

@@ -6,7 +6,7 @@
 //! ```text
 //! free        f = rho_d/pi                                 + rho_s w
 //! dielectric  f = rho_d/pi (1 - E(o))                      + F(c; ior) w     albedo-scaled
-//!             f = rho_d/pi (1 - E(i))(1 - E(o))/(1 - Eavg) + F(c; ior) w     coupled
+//!             f = rho_d/pi T(i) T(o)/Tavg              + F(c; ior) w     coupled
 //! metal       f = rho_d/pi                                 + (rho_s + (1 - rho_s)(1 - c)^5) m(o) w
 //! ```
 //!
@@ -40,7 +40,8 @@ pub enum Coat {
 pub struct Dielectric {
     ior: f32,
     layering: Layering,
-    albedo: LobeAlbedo,
+    /// What its lobe takes from the base, and the mean of that.
+    taken: LobeAlbedo,
     mean: AlbedoSlope,
 }
 
@@ -74,8 +75,8 @@ impl Coat {
         match material.reflectance {
             Reflectance::Free => Self::Free,
             Reflectance::Dielectric { ior, layering } => {
-                let albedo = LobeAlbedo::dielectric(ior, alpha);
-                Self::Dielectric(Dielectric { ior, layering, albedo, mean: albedo.mean() })
+                let taken = LobeAlbedo::over(layering, ior, alpha);
+                Self::Dielectric(Dielectric { ior, layering, taken, mean: taken.mean() })
             }
             Reflectance::Metal { multiscatter } => {
                 let albedo = LobeAlbedo::white(alpha);
@@ -89,11 +90,11 @@ impl Coat {
     #[inline]
     pub fn base(&self, cos_o: f32, cos_i: f32) -> f32 {
         let Self::Dielectric(coat) = self else { return 1.0 };
-        let out = 1.0 - coat.albedo.at(cos_o);
+        let out = 1.0 - coat.taken.at(cos_o);
         match coat.layering {
             Layering::AlbedoScaled => out,
             Layering::Coupled => {
-                out * (1.0 - coat.albedo.at(cos_i)) / (1.0 - coat.mean.value).max(LEAST)
+                out * (1.0 - coat.taken.at(cos_i)) / (1.0 - coat.mean.value).max(LEAST)
             }
         }
     }
@@ -102,12 +103,12 @@ impl Coat {
     #[inline]
     pub(super) fn base_slope(&self, cos_o: f32, cos_i: f32) -> Base {
         let Self::Dielectric(coat) = self else { return Base { factor: 1.0, by_alpha: 0.0 } };
-        let out = coat.albedo.slope_at(cos_o);
+        let out = coat.taken.slope_at(cos_o);
         let left = (1.0 - out.value).max(LEAST);
         match coat.layering {
             Layering::AlbedoScaled => Base { factor: 1.0 - out.value, by_alpha: -out.by_alpha },
             Layering::Coupled => {
-                let into = coat.albedo.slope_at(cos_i);
+                let into = coat.taken.slope_at(cos_i);
                 let (entering, mean) =
                     ((1.0 - into.value).max(LEAST), (1.0 - coat.mean.value).max(LEAST));
                 let factor = (1.0 - out.value) * (1.0 - into.value) / mean;

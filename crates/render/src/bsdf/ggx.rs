@@ -9,8 +9,9 @@
 //! 1)/2
 //! ```
 //!
-//! [Walter et al. 2007, eq. 33; Heitz 2014, eqs. 85, 86, 99: the height-correlated form]. There is
-//! no Fresnel term; the albedo of `rho_s w` is `rho_s` less the light that microfacets scatter more
+//! [Walter et al. 2007, eq. 33; Heitz 2014, eqs. 85, 86, 99: the height-correlated form, as in Blender and glTF]. Mitsuba masks
+//! both directions apart, `G = 1 / ((1 + L(wo)) (1 + L(wi)))` [Walter et al. 2007, eq. 23], which is 4 % less at 80 degrees for
+//! both and alpha 0.2. There is no Fresnel term; the albedo of `rho_s w` is `rho_s` less the light that microfacets scatter more
 //! than once. Sampled by the distribution of visible normals [Heitz 2018].
 
 use super::ward::{ALPHA_MIN, LobeDerivatives};
@@ -23,13 +24,20 @@ use std::f32::consts::PI;
 pub struct GgxLobe {
     alpha_x: f32,
     alpha_y: f32,
+    /// The factor of `L(wo) L(wi)` in `1/G`: one where both directions are masked apart, else zero.
+    apart: f32,
 }
 
 impl GgxLobe {
     /// A lobe with roughness `alpha_x` along and `alpha_y` across the anisotropy direction; both
     /// are raised to [`ALPHA_MIN`].
     pub fn new(alpha_x: f32, alpha_y: f32) -> Self {
-        Self { alpha_x: alpha_x.max(ALPHA_MIN), alpha_y: alpha_y.max(ALPHA_MIN) }
+        Self { alpha_x: alpha_x.max(ALPHA_MIN), alpha_y: alpha_y.max(ALPHA_MIN), apart: 0.0 }
+    }
+
+    /// The same, with both directions masked apart.
+    pub fn masked_apart(self) -> Self {
+        Self { apart: 1.0, ..self }
     }
 
     /// The two roughnesses.
@@ -47,9 +55,10 @@ impl GgxLobe {
     /// [`GgxLobe::value`] and [`GgxLobe::pdf`], which share most of the work.
     #[inline]
     pub fn value_and_pdf(&self, wo: Vec3, wi: Vec3) -> (f32, f32) {
-        let seen = 1.0 + self.lambda(wo);
+        let (out, into) = (self.lambda(wo), self.lambda(wi));
         let normals = self.distribution(wo + wi) / (4.0 * wo.z);
-        (normals / (wi.z * (seen + self.lambda(wi))), normals / seen)
+        let masking = 1.0 + out + into + self.apart * out * into;
+        (normals / (wi.z * masking), normals / (1.0 + out))
     }
 
     /// [`GgxLobe::value`] with its derivatives; below [`ALPHA_MIN`] those at [`ALPHA_MIN`].
@@ -66,9 +75,11 @@ impl GgxLobe {
         let h = (wo + wi).normalize();
         let (a, b) = (h.x / self.alpha_x, h.y / self.alpha_y);
         let q = a * a + b * b + h.z * h.z;
-        let masking = 1.0 + self.lambda(wo) + self.lambda(wi);
+        let (out, into) = (self.lambda(wo), self.lambda(wi));
+        let masking = 1.0 + out + into + self.apart * out * into;
         let [to, ti] = [wo, wi].map(|v| self.lambda_derivatives(v));
-        let masked = |k: usize| (to[k] + ti[k]) / masking;
+        let [by_out, by_into] = [into, out].map(|other| 1.0 + self.apart * other);
+        let masked = |k: usize| (to[k] * by_out + ti[k] * by_into) / masking;
         let by_angle = 4.0 * (b * h.x / self.alpha_y - a * h.y / self.alpha_x) / q;
         LobeDerivatives {
             value,
@@ -136,8 +147,8 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// The lobe in double precision, from its definition; its frame is turned by `theta`.
-    fn value([alpha_x, alpha_y, theta]: [f64; 3], wo: DVec3, wi: DVec3) -> f64 {
+    /// The lobe in double precision, from its definition, `apart` as in Mitsuba; its frame is turned by `theta`.
+    fn value([alpha_x, alpha_y, theta]: [f64; 3], apart: bool, wo: DVec3, wi: DVec3) -> f64 {
         let (sin, cos) = theta.sin_cos();
         let turn = |v: DVec3| DVec3::new(cos * v.x + sin * v.y, cos * v.y - sin * v.x, v.z);
         let (wo, wi) = (turn(wo), turn(wi));
@@ -147,7 +158,11 @@ mod tests {
             let tan2 = ((alpha_x * v.x).powi(2) + (alpha_y * v.y).powi(2)) / (v.z * v.z);
             0.5 * ((1.0 + tan2).sqrt() - 1.0)
         };
-        let masking = 1.0 + lambda(wo) + lambda(wi);
+        let masking = if apart {
+            (1.0 + lambda(wo)) * (1.0 + lambda(wi))
+        } else {
+            1.0 + lambda(wo) + lambda(wi)
+        };
         let area = std::f64::consts::PI * alpha_x * alpha_y;
         1.0 / (area * q * q * 4.0 * wo.z * wi.z * masking)
     }
@@ -161,21 +176,22 @@ mod tests {
     fn derivatives_are_those_of_the_formulas() {
         let grid = (1..=8).flat_map(|i| (0..9).map(move |j| (i, j)));
         let pairs = grid.flat_map(|a| [0.3, 0.8].map(|b| (a, b)));
-        for ((i, j), cos_o) in pairs {
+        for (((i, j), cos_o), apart) in pairs.flat_map(|pair| [false, true].map(|a| (pair, a))) {
             let wi = direction(f64::from(i) / 8.5, 0.3 + 0.7 * f64::from(j));
             let wo = direction(cos_o, 3.0);
             for (alpha_x, alpha_y) in [(0.05, 0.05), (0.1, 0.3), (0.6, 0.2), (0.02, 0.5)] {
                 let lobe = GgxLobe::new(alpha_x as f32, alpha_y as f32);
+                let lobe = if apart { lobe.masked_apart() } else { lobe };
                 let found = lobe.derivatives(wo.as_vec3(), wi.as_vec3());
                 let shape = [alpha_x, alpha_y, 0.0];
-                let exact = value(shape, wo, wi);
+                let exact = value(shape, apart, wo, wi);
                 assert!((f64::from(found.value) / exact - 1.0).abs() < 1e-4);
                 let found = [found.by_alpha_x, found.by_alpha_y, found.by_theta];
                 for (k, found) in found.into_iter().enumerate() {
                     let [plus, minus] = [1e-6, -1e-6].map(|step| {
                         let mut shape = shape;
                         shape[k] += step;
-                        value(shape, wo, wi)
+                        value(shape, apart, wo, wi)
                     });
                     let expected = (plus - minus) / 2e-6;
                     let scale = expected.abs() + 1e-2 * exact / alpha_x.min(alpha_y);

@@ -3,7 +3,7 @@
 use super::ggx::GgxLobe;
 use super::ward::{LobeDerivatives, WardLobe};
 use glam::Vec3;
-use unrender_scene::BrdfModel;
+use unrender_scene::{BrdfModel, Layering};
 
 /// A rough lobe, for `rho_s = 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,7 +20,12 @@ impl GlossyLobe {
     pub fn new(model: impl Into<BrdfModel>, alpha_x: f32, alpha_y: f32) -> Self {
         match model.into() {
             BrdfModel::Ward(form) => Self::Ward(WardLobe::new(form, alpha_x, alpha_y)),
-            BrdfModel::Ggx | BrdfModel::Principled(_) => Self::Ggx(GgxLobe::new(alpha_x, alpha_y)),
+            BrdfModel::Principled(Layering::Coupled) => {
+                Self::Ggx(GgxLobe::new(alpha_x, alpha_y).masked_apart())
+            }
+            BrdfModel::Ggx | BrdfModel::Principled(Layering::AlbedoScaled) => {
+                Self::Ggx(GgxLobe::new(alpha_x, alpha_y))
+            }
         }
     }
 

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use unrender_render::bsdf::{Bsdf, lobe};
 use unrender_render::{GlossyLobe, Parameter, Query};
 use unrender_scene::reflectance::fresnel;
-use unrender_scene::{BrdfModel, Layering, LobeAlbedo, Material, Rgb};
+use unrender_scene::{BrdfModel, Layering, LobeAlbedo, Material, Reflectance, Rgb};
 
 const MODEL: BrdfModel = BrdfModel::Principled(Layering::Coupled);
 const BASE: Rgb = Rgb::new(0.9, 0.5, 0.1);
@@ -19,8 +19,17 @@ fn direction(degrees: f32, phi: f32) -> Vec3 {
     Vec3::new(sin * phi.cos(), sin * phi.sin(), cos)
 }
 
+/// In a scene of the format that has such materials.
 fn bsdf(material: &Material) -> Bsdf<'static> {
-    Bsdf::new(material, material.rho_d, MODEL)
+    Bsdf::new(material, material.rho_d, BrdfModel::Principled(layering(material)))
+}
+
+fn layering(material: &Material) -> Layering {
+    match material.reflectance {
+        Reflectance::Dielectric { layering, .. } => layering,
+        Reflectance::Metal { multiscatter: true } => Layering::AlbedoScaled,
+        Reflectance::Metal { multiscatter: false } | Reflectance::Free => Layering::Coupled,
+    }
 }
 
 /// All plastics and metals under test.
@@ -62,7 +71,7 @@ fn tables_have_the_albedo_of_the_lobe() {
             let table = LobeAlbedo::dielectric(ior, alpha);
             for degrees in [0.0, 20.0, 45.0, 60.0, 75.0, 85.0, 89.0] {
                 let wo = direction(degrees, 0.4);
-                let lobe = GlossyLobe::new(MODEL, alpha, alpha);
+                let lobe = GlossyLobe::new(BrdfModel::Ggx, alpha, alpha);
                 // The visible normals on a grid four times as fine, in single precision.
                 let mut sum = 0.0;
                 let side = 80;
@@ -86,14 +95,14 @@ fn tables_have_the_albedo_of_the_lobe() {
 #[test]
 fn plastics_have_the_albedo_of_lobe_and_base_together() {
     for material in coated().filter(|m| m.rho_d != Rgb::ZERO) {
-        let unrender_scene::Reflectance::Dielectric { ior, .. } = material.reflectance else {
-            continue;
-        };
-        let coat = LobeAlbedo::dielectric(ior, material.alpha_x);
+        let Reflectance::Dielectric { ior, layering } = material.reflectance else { continue };
+        let taken = LobeAlbedo::over(layering, ior, material.alpha_x);
         for degrees in [0.0, 30.0, 60.0, 80.0] {
             let wo = direction(degrees, 0.4);
-            let lobe = f64::from(coat.at(wo.z));
-            let expected = DVec3::splat(lobe) + BASE.as_dvec3() * (1.0 - lobe);
+            let black = Material { rho_d: Rgb::ZERO, ..material.clone() };
+            let lobe = albedo(&bsdf(&black), wo);
+            let base = BASE.as_dvec3() * f64::from(1.0 - taken.at(wo.z));
+            let expected = lobe + base;
             let found = albedo(&bsdf(&material), wo);
             let error = (found - expected).abs().max_element();
             assert!(error < 3e-3, "{material:?} at {degrees}: {found} is not {expected}");
@@ -111,7 +120,10 @@ fn a_white_metal_loses_nothing_if_it_scatters_several_times() {
             let once = albedo(&bsdf(&Material::metal(Rgb::ONE, false, alpha)), wo).x;
             let expected = match alpha {
                 0.0 => 1.0,
-                _ => lobe::albedo(&GlossyLobe::new(MODEL, alpha, alpha), wo, 200),
+                _ => {
+                    let model = BrdfModel::Principled(Layering::Coupled);
+                    lobe::albedo(&GlossyLobe::new(model, alpha, alpha), wo, 200)
+                }
             };
             assert!((once - expected).abs() < 3e-3, "{alpha} {degrees}: {once} is not {expected}");
         }
@@ -132,9 +144,9 @@ fn no_more_light_leaves_than_arrives() {
 fn coupled_plastics_and_metals_that_scatter_once_reflect_both_ways_alike() {
     let mut random = Random::new(7);
     let is_reciprocal = |material: &Material| match material.reflectance {
-        unrender_scene::Reflectance::Dielectric { layering, .. } => layering == Layering::Coupled,
-        unrender_scene::Reflectance::Metal { multiscatter } => !multiscatter,
-        unrender_scene::Reflectance::Free => true,
+        Reflectance::Dielectric { layering, .. } => layering == Layering::Coupled,
+        Reflectance::Metal { multiscatter } => !multiscatter,
+        Reflectance::Free => true,
     };
     let mut differs = 0.0f32;
     for material in coated() {
@@ -209,7 +221,7 @@ fn derivatives_are_those_of_differences() {
             check(terms.by_alpha_x, by_x, 1.0 / material.alpha_x, "alpha_x");
             let by_y = differences(&|m, step| m.alpha_y += step, step);
             check(terms.by_alpha_y, by_y, 1.0 / material.alpha_x, "alpha_y");
-            if let unrender_scene::Reflectance::Metal { .. } = material.reflectance {
+            if let Reflectance::Metal { .. } = material.reflectance {
                 let by_f0 = differences(&|m, step| m.rho_s += Rgb::splat(step), 1e-3);
                 check(terms.by_rho_s, by_f0, 1.0, "rho_s");
             }
@@ -220,12 +232,13 @@ fn derivatives_are_those_of_differences() {
 
 /// A ball of `material` in a black room that emits `radiance` all around; the mean of its picture.
 fn in_the_furnace(material: Material, radiance: Rgb) -> Estimate {
+    let model = BrdfModel::Principled(layering(&material));
     let mut stage = Stage::default();
     let wall = stage.group(Material::diffuse(Rgb::ZERO), radiance);
     stage.room(wall, Vec3::splat(2.0));
     let ball = stage.group(material, Rgb::ZERO);
     stage.sphere(ball, Vec3::ZERO, 0.5, 24);
-    stage.scene.brdf = MODEL;
+    stage.scene.brdf = model;
     let view = camera(Vec3::new(0.3, 0.4, 1.8), Vec3::new(0.03, 0.02, 0.0), 0.3);
     Estimate::of_film(&stage.render(&view, 16, settings(1024)))
 }
@@ -236,7 +249,14 @@ fn white_plastics_vanish_in_the_furnace() {
     for (layering, alpha) in Layering::ALL.into_iter().flat_map(|l| [0.0, 0.1, 0.5].map(|a| (l, a)))
     {
         let found = in_the_furnace(Material::plastic(Rgb::ONE, 1.5, layering, alpha), radiance);
-        assert_agree("white plastic", found, Estimate::exactly(radiance), 3e-3);
+        if layering == Layering::Coupled && alpha > 0.0 {
+            // What microfacets scatter more than once is lost.
+            let share = (found.mean / radiance.as_dvec3()).max_element();
+            let range = if alpha < 0.2 { 0.99..0.999 } else { 0.9..0.97 };
+            assert!(range.contains(&share), "{alpha}: {share}");
+        } else {
+            assert_agree("white plastic", found, Estimate::exactly(radiance), 3e-3);
+        }
     }
 }
 

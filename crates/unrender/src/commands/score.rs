@@ -12,7 +12,7 @@ use unrender_formats::{Input, materials};
 
 /// Compares the materials of a recovery with known ones.
 ///
-/// Diffuse reflectances are compared as seen at normal incidence (albedo_d), so that plastics, whose rho_d is that of the
+/// Diffuse reflectances are compared as lit and seen at normal incidence (albedo_d), so that plastics, whose rho_d is that of the
 /// base, and matt groups can be compared.
 /// Groups whose status is known or assumed are shown in brackets and not counted. A lobe and the
 /// same lobe with its alphas swapped and turned by 90 degrees are one. Where the results state

@@ -490,7 +490,7 @@ fn coated(context: &Context, node: Node, inner: Reflectance) -> Result<Reflectan
     }
     let (inner, is_rough) = (inner.freed(), node.kind() == "roughcoating");
     let alpha = if is_rough { share(context, node, "alpha", 0.1)? } else { 0.0 };
-    let leaving = (1.0 - LobeAlbedo::dielectric(index, alpha).mean().value) / (index * index);
+    let leaving = (1.0 - LobeAlbedo::kept_out(index, alpha).mean().value) / (index * index);
     let f0 = metals::dielectric(index);
     let below = inner.material.rho_s * (1.0 - f0).powi(2);
     let is_dull = below.max_element() <= 0.0;

@@ -7,18 +7,16 @@
 //! f = d/pi T(i) T(o) / (n^2 (1 - Fi d))    nonlinear;   (1 - Fi) in the place of (1 - Fi d) if not
 //! ```
 //!
-//! and that of a dielectric with the *coupled* layering `rho_d/pi (1 - E(i)) (1 - E(o)) / (1 - Eavg)`. For a smooth surface
-//! `T = 1 - E` and `n^2 (1 - Fi) = 1 - Eavg`, so that the two are one; a rough one loses light in Mitsuba that microfacets
-//! scatter more than once, most of all at grazing angles. `rho_d` is such that both reflect alike under even light, averaged
-//! over the directions of the viewer. [Jakob et al., Mitsuba 3,
-//! `roughplastic.cpp`; Walter et al. 2007]
+//! and that of a dielectric with the *coupled* layering `rho_d/pi T(i) T(o) / Tavg`: the two are one where `rho_d = d Tavg /
+//! (n^2 (1 - Fi d))`. For a smooth surface `n^2 (1 - Fi) = Tavg`. [Jakob et al., Mitsuba 3, `roughplastic.cpp`; Walter et
+//! al. 2007]
 
 use std::f32::consts::PI;
 use unrender_scene::reflectance::fresnel;
 use unrender_scene::{LobeAlbedo, Rgb};
 
-/// Points of a quadrature over the visible normals, squared, and over the cosine. With half of them `T` is off by 0.002, with
-/// double of them reading a plastic takes 4 ms instead of one.
+/// Points of a quadrature over the visible normals, squared. With half of them `Fi` is off by 0.002, with double of them reading
+/// a plastic takes 4 ms instead of one.
 const POINTS: usize = 16;
 
 /// The cosines, from 0 to 1 with both ends, over which Mitsuba takes the mean for `Fi`. It is 0.009 below the integral so; with
@@ -27,7 +25,7 @@ const MITSUBAS: usize = 64;
 
 /// The surface of a plastic.
 pub(crate) struct Surface {
-    /// `Tavg^2 / (n^2 (1 - Eavg))`.
+    /// `Tavg / n^2`.
     scale: f32,
     /// `Fi`.
     inside: f32,
@@ -36,17 +34,14 @@ pub(crate) struct Surface {
 impl Surface {
     /// Of relative refractive index `ior` and roughness `alpha`, zero for a smooth one.
     pub(crate) fn new(ior: f32, alpha: f32) -> Self {
-        let albedo = LobeAlbedo::dielectric(ior, alpha);
-        let mean = 1.0 - albedo.mean().value;
+        let scale = (1.0 - LobeAlbedo::kept_out(ior, alpha).mean().value) / (ior * ior);
         if alpha <= 0.0 {
-            let inside = 1.0 - mean / (ior * ior);
-            return Self { scale: mean / (ior * ior), inside };
+            return Self { scale, inside: 1.0 - scale };
         }
-        let through = over_cosines(|mu| transmitted(mu, ior, alpha));
         let cosines = (0..MITSUBAS).map(|k| k as f32 / (MITSUBAS - 1) as f32);
         let inside: f32 = cosines.map(|mu| 2.0 * mu * reflected(mu, 1.0 / ior, alpha)).sum();
         let inside = inside / MITSUBAS as f32;
-        Self { scale: through * through / (ior * ior * mean), inside }
+        Self { scale, inside }
     }
 
     /// The base of a plastic of diffuse reflectance `d`.
@@ -59,12 +54,6 @@ impl Surface {
     pub(crate) fn reflectance(&self, base: Rgb) -> Rgb {
         (base * (1.0 - self.inside) / self.scale).clamp(Rgb::ZERO, Rgb::ONE)
     }
-}
-
-/// `2 integral of(mu) mu dmu`.
-fn over_cosines(of: impl Fn(f32) -> f32) -> f32 {
-    let cosines = (0..POINTS).map(|k| (k as f32 + 0.5) / POINTS as f32);
-    cosines.map(|mu| 2.0 * mu * of(mu)).sum::<f32>() / POINTS as f32
 }
 
 /// Calls `of(h_z, wo . h)` with the normals that are visible towards the cosine `mu`, and returns the mean [Heitz 2018].
@@ -98,17 +87,7 @@ fn masking(mu: f32, alpha: f32) -> f32 {
     2.0 / (1.0 + (1.0 + alpha * alpha * tan2).sqrt())
 }
 
-/// The share of light from the cosine `mu` that a rough surface of relative index `ior` lets through at the first hit.
-fn transmitted(mu: f32, ior: f32, alpha: f32) -> f32 {
-    over_visible_normals(mu, alpha, |h_z, cos| {
-        // The refracted direction, below the surface: (cos/n - cos_t) h - wo/n.
-        let cos_t = (1.0 - (1.0 - cos * cos) / (ior * ior)).max(0.0).sqrt();
-        let z = mu / ior - (cos / ior - cos_t) * h_z;
-        if z <= 0.0 { 0.0 } else { (1.0 - fresnel(cos, ior)) * masking(z.min(1.0), alpha) }
-    })
-}
-
-/// The share of light from the cosine `mu` that it reflects at the first hit; `ior` is below one for light inside.
+/// The share of light from the cosine `mu` that a rough surface of relative index `ior` reflects at the first hit; `ior` is below one for light inside.
 fn reflected(mu: f32, ior: f32, alpha: f32) -> f32 {
     over_visible_normals(mu, alpha, |h_z, cos| {
         let z = 2.0 * cos * h_z - mu;
@@ -136,7 +115,7 @@ mod tests {
         let expected =
             [(0.0, 1.0, 1.015), (0.05, 1.0, 0.966), (0.1, 1.0, 0.913), (0.15, 1.0, 0.853)];
         for (alpha, d, expected) in expected {
-            let through = if alpha > 0.0 { transmitted(1.0, 1.5, alpha) } else { 0.96 };
+            let through = 1.0 - LobeAlbedo::kept_out(1.5, alpha).at(1.0);
             let found =
                 d * through * through / (2.25 * (1.0 - d * Surface::new(1.5, alpha).inside));
             assert!((found / expected - 1.0).abs() < 5e-3, "{alpha}: {found} is not {expected}");
