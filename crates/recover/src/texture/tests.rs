@@ -91,6 +91,14 @@ fn highlight(alpha: f32, x: usize, y: usize) -> f32 {
 
 /// The roughness of the lobe over the texture of the `pixels`.
 fn roughness(pixels: impl Fn(usize, usize) -> Pixel) -> Option<f32> {
+    roughness_under(highlight, pixels)
+}
+
+/// The same where lobes of a roughness show this, by column and row.
+fn roughness_under(
+    highlight: impl Fn(f32, usize, usize) -> f32,
+    pixels: impl Fn(usize, usize) -> Pixel,
+) -> Option<f32> {
     let (plain, judge) = judged(16.0, pixels);
     let under = |alpha: f32| {
         let shine = plain.pixels.iter().map(|i| {
@@ -114,7 +122,13 @@ fn a_lobe_over_a_texture_is_found_where_its_highlight_covers_several_places() {
     let found = roughness(|x, y| textured(x, y, highlight(0.14, x, y))).unwrap();
     assert!((found / 0.14 - 1.0).abs() < 0.1, "{found}");
     assert_eq!(roughness(|x, y| textured(x, y, 0.0)), None);
-    // A bright thing in one place, however bright.
+    // What is brightest of a lobe, a window's reflection in one place, does not hide the rest of it.
+    let glare = |x: usize, y: usize| if x.abs_diff(8) + y.abs_diff(8) < 4 { 20.0 } else { 0.0 };
+    let with_glare =
+        |alpha: f32, x: usize, y: usize| highlight(alpha, x, y) + 0.14 / alpha * glare(x, y);
+    let found = roughness_under(with_glare, |x, y| textured(x, y, with_glare(0.14, x, y))).unwrap();
+    assert!((found / 0.14 - 1.0).abs() < 0.1, "{found}");
+    // A bright thing in one place that no lobe has, however bright.
     let bright = |x: usize, y: usize| if x.abs_diff(40) + y.abs_diff(40) < 6 { 50.0 } else { 0.0 };
     assert_eq!(roughness(|x, y| Pixel { added: bright(x, y), ..textured(x, y, 0.0) }), None);
 }

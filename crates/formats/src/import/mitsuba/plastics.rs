@@ -34,7 +34,9 @@ pub(crate) struct Surface {
 impl Surface {
     /// Of relative refractive index `ior` and roughness `alpha`, zero for a smooth one.
     pub(crate) fn new(ior: f32, alpha: f32) -> Self {
-        let scale = (1.0 - LobeAlbedo::kept_out(ior, alpha).mean().value) / (ior * ior);
+        let through = |ior: f32| 1.0 - LobeAlbedo::kept_out(ior, alpha).mean().value;
+        // As much light enters a thinner medium as leaves it, in units of n^2 [Walter et al. 2007].
+        let scale = if ior < 1.0 { through(1.0 / ior) } else { through(ior) / (ior * ior) };
         if alpha <= 0.0 {
             return Self { scale, inside: 1.0 - scale };
         }
@@ -119,6 +121,17 @@ mod tests {
             let found =
                 d * through * through / (2.25 * (1.0 - d * Surface::new(1.5, alpha).inside));
             assert!((found / expected - 1.0).abs() < 5e-3, "{alpha}: {found} is not {expected}");
+        }
+    }
+
+    #[test]
+    fn a_plastic_thinner_than_what_surrounds_it_keeps_its_base() {
+        // All diffuse light that the surface does not send back leaves: Tavg / n^2 = 1 - Fi, but for what is scattered twice.
+        for alpha in [0.0, 0.1] {
+            for ior in [0.75, 1.33] {
+                let base = Surface::new(ior, alpha).base(Rgb::splat(0.5), false).x;
+                assert!((0.45..=0.505).contains(&base), "{ior} {alpha}: {base}");
+            }
         }
     }
 
