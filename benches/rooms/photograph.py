@@ -130,8 +130,6 @@ def main():
         'photo': ('truth.xml', 0, 1),
         'new_view': ('truth.xml', 1, 2),
         'new_light': ('truth_new_light.xml', 0, 2),
-        'forward': ('forward.xml', 0, 2),
-        'forward_new_light': ('forward_new_light.xml', 0, 2),
     }
     taken = {}
     for seed, (shot, (file, camera, share)) in enumerate(shots.items()):

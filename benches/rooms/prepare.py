@@ -1,12 +1,11 @@
 """Writes what Mitsuba 3.9.1 renders of a room and what unrender is given: ROOMS.json ROOM FOLDER OUT.
 
 truth.xml        the artist's scene in Mitsuba 3's plugins, with the camera of the photograph and that of the new view
-forward.xml      the same without glass, which unrender does not render
 albedo.xml       the same with each material as a diffuse one of its base colour, for the maps of the truth
-given.xml        without any material: what is recovered is grey; glass is left out
-*_new_light.xml  truth, forward and given in the new light
+given.xml        without any material but glass: what is recovered is grey
+*_new_light.xml  truth and given in the new light
 published.xml, published_given.xml (and ..._new_light.xml)
-                 as forward.xml and given.xml with all that unrender reads by itself left as published
+                 as truth.xml and given.xml with all that unrender reads by itself left as published
 groups.json      the groups, their true materials but for textures, and what was changed or is absent
 """
 
@@ -119,11 +118,9 @@ def prepare(room, folder, out):
     set_cameras(published, room, folder)
     truth = copy.deepcopy(published)
     materials.for_mitsuba_3(truth, log)
-    forward = sf.without_glass(truth)
     scenes = {
         'truth': truth,
-        'forward': forward,
-        'given': without_materials(forward),
+        'given': without_materials(truth),
         'published': published,
         'published_given': without_materials(published),
     }

@@ -4,7 +4,7 @@
     score.py TRUTH --albedo A.exr --roughness R.exr [--statuses S.json]     maps of the photograph's size, as those of
                                                                      the truth (truth.py)
     [--picture NAME=FILE.exr]...   re-renderings: photo, new_view, new_light
-    [--forward NAME=FILE.exr]...   renderings at the true materials: forward, forward_new_light
+    [--forward NAME=FILE.exr]...   renderings at the true materials: photo, new_view, new_light
     [--out score.json]
 
 S.json has an object by group: {"WoodFloor": {"status": "recovered"}}. Nothing is rescaled. Of albedo and roughness:
@@ -24,7 +24,7 @@ import numpy as np
 import pictures
 from truth import Truth
 
-VERSION = 1
+VERSION = 2
 # The root mean square error of albedo from which a group counts as wrong: a clearly visible difference.
 WRONG = 0.05
 # Groups of fewer scored pixels are not counted one by one.
@@ -111,9 +111,10 @@ def picture(truth, name, path):
 def forward(truth, name, path):
     """Our rendering of the true materials over Mitsuba's: of the picture and of each group."""
     ours, true = pictures.read(path), truth.picture(name)
+    counts, group = usable(truth, name), truth.groups_of(name)
     rows = []
-    for listed in truth.about['groups']:
-        inside = truth.scored & truth.pixels_of(listed['name'])
+    for number, listed in enumerate(truth.about['groups']):
+        inside = counts & (group == number)
         if inside.sum() < FEWEST or true[inside].mean() <= 0:
             continue
         level = true[inside].mean()
@@ -121,7 +122,6 @@ def forward(truth, name, path):
         rows.append({'group': listed['name'], 'pixels': int(inside.sum()), 'kind': listed['kind'],
                      'ratio': float(ours[inside].mean() / level), 'std': float(spread / level)})
     rows.sort(key=lambda row: -row['pixels'])
-    counts = truth.scored
     return {'mean': float(ours[counts].mean() / true[counts].mean()), 'rows': rows}
 
 

@@ -16,7 +16,7 @@ import pictures
 import prepare
 import scene_file as sf
 import score
-from truth import POINTS, Truth
+from truth import POINTS, VERSION, Truth
 
 SCENE = '''<scene version="0.6.0">
     <default name="grey" value="0.25"/>
@@ -98,9 +98,9 @@ class Scenes(unittest.TestCase):
 
     def test_nothing_of_the_truth_is_given(self):
         root = self.read('given.xml')
-        self.assertNotIn('Glass', {sf.material_of(shape) for shape in root.findall('shape')})
+        self.assertIn('Glass', {sf.material_of(shape) for shape in root.findall('shape')})
         for bsdf in root.findall('bsdf'):
-            if not sf.is_lamp(bsdf.get('id')):
+            if not sf.is_lamp(bsdf.get('id')) and not sf.is_glass(bsdf):
                 self.assertEqual(sf.color(sf.leaf(bsdf), 'reflectance', None), [0.5] * 3)
         published = self.read('published_given.xml')
         self.assertIn('Glass', {sf.material_of(shape) for shape in published.findall('shape')})
@@ -166,7 +166,7 @@ class Scores(unittest.TestCase):
         write('uv', np.zeros((POINTS * 4, 8, 3)))
         write('new_light', np.full((4, 8, 3), 2.0))
         groups = [{'name': name, 'kind': 'diffuse', 'textured': False} for name in ('', 'a', 'b')]
-        self.about = {'version': 1, 'room': 'test', 'size': [8, 4], 'exposure': 1.0, 'groups': groups}
+        self.about = {'version': VERSION, 'room': 'test', 'size': [8, 4], 'exposure': 1.0, 'groups': groups}
         self.write_about(folder.name)
         self.truth = Truth(folder.name)
 
@@ -204,8 +204,18 @@ class Scores(unittest.TestCase):
         pictures.write(dark, np.full((4, 8, 3), 1.8))
         self.assertAlmostEqual(score.picture(self.truth, 'new_light', dark)['median'], 0.1, places=5)
 
+    def test_a_rendering_is_compared_by_the_groups_of_its_own_view(self):
+        path = lambda name: os.path.join(self.truth.folder, f'{name}.exr')
+        pictures.write(path('new_view'), np.full((4, 8, 3), 2.0))
+        pictures.write(path('ours'), np.full((4, 8, 3), 1.8))
+        pictures.write(path('group_new_view'), np.full((4, 8), 2))
+        pictures.write(path('scored_new_view'), np.ones((4, 8)))
+        found = score.forward(self.truth, 'new_view', path('ours'))
+        self.assertEqual([(row['group'], row['pixels']) for row in found['rows']], [('b', 32)])
+        self.assertAlmostEqual(found['mean'], 0.9, places=5)
+
     def test_another_version_is_refused(self):
-        self.about['version'] = 2
+        self.about['version'] = VERSION + 1
         self.write_about(self.truth.folder)
         with self.assertRaises(ValueError):
             Truth(self.truth.folder)

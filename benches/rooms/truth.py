@@ -1,11 +1,10 @@
-"""The truth of a room, in a folder that other programs can read: version 1.
+"""The truth of a room, in a folder that other programs can read: version 2.
 
 truth.json      "version", "room", "size" [width, height], "exposure" (the radiance of white in photo.png), and
                 "groups", a list; its order is that of the numbers in group.exr. Each has "name", "kind" (the BSDF of
                 Mitsuba), "textured", "bumps", "pixels" (those that are scored) and "left_out", why it is not scored
 photo.exr       the photograph, linear radiance;  photo.png: 8 bits, sRGB
 new_view.exr    the same room from another place;  new_light.exr: from the same place in other light
-forward.exr, forward_new_light.exr    photograph and new light without glass
 group.exr       the number of the group that fills the pixel
 scored.exr      1 where the pixel is scored: one group fills it, no glass is in front, no lamp, no cut-out
 scored_new_view.exr, group_new_view.exr    the same for the new view; unlike scored.exr, also pixels of several groups
@@ -23,7 +22,7 @@ import numpy as np
 
 import pictures
 
-VERSION = 1
+VERSION = 2
 POINTS = 16
 
 
@@ -37,11 +36,16 @@ class Truth:
         if self.about['version'] != VERSION:
             raise ValueError(f"{folder}: truth of version {self.about['version']}; this program reads {VERSION}")
         self.names = [group['name'] for group in self.about['groups']]
-        self.group = np.rint(self.picture('group')[..., 0]).astype(int)
+        self.group = self.groups_of('photo')
         self.scored = self.picture('scored')[..., 0] > 0.5
 
     def picture(self, name):
         return pictures.read(os.path.join(self.folder, f'{name}.exr'))
+
+    def groups_of(self, shot):
+        """The number of the group in each pixel of a picture."""
+        seen = self.picture('group_new_view' if shot == 'new_view' else 'group')
+        return np.rint(seen[..., 0]).astype(int)
 
     def pixels_of(self, name):
         return self.group == self.names.index(name)

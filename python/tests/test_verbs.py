@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -93,8 +94,17 @@ def test_a_project_is_made_of_two_files(corpus: Path, tmp_path: Path) -> None:
         unrender.init(scene, photo, out=out)
 
 
-def test_a_plan_ranks_further_photographs(recovery: unrender.Recovery, corpus: Path) -> None:
-    planned = unrender.plan(corpus / "plastic" / "project.toml", recovered=recovery)
+def test_a_plan_ranks_further_photographs(
+    recovery: unrender.Recovery, corpus: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "plastic"
+    shutil.copytree(corpus / "plastic", folder)
+    # One group is open: each candidate is a refinement of all that are.
+    names = [name for name in recovery.materials if name != "floor"]
+    known = [f"\n[groups.{name}]\nknown = {{ rho_d = 0.5 }}\n" for name in names]
+    project = folder / "project.toml"
+    project.write_text(project.read_text(encoding="utf-8") + "".join(known), encoding="utf-8")
+    planned = unrender.plan(project, recovered=recovery)
     ratios = [candidate["ratio"] for candidate in planned.candidates]
     assert ratios
     assert ratios == sorted(ratios)

@@ -232,17 +232,17 @@ fn inverse(measured: &Measured) -> Option<[String; 5]> {
 fn forwards(measured: &Measured, label: &str) -> Vec<[String; 5]> {
     let row = |(name, forward): (&String, &Forward)| {
         let (alike, all) = forward.alike(LARGE);
-        let light = if name == "forward" { "photograph" } else { "new light" };
+        let shot = if name == "photo" { "photograph".to_owned() } else { name.replace('_', " ") };
         let (room, label) = (measured.room.clone(), label.to_owned());
-        [room, label, light.to_owned(), format!("{:.3}", forward.mean), format!("{alike} of {all}")]
+        [room, label, shot, format!("{:.3}", forward.mean), format!("{alike} of {all}")]
     };
     measured.forward.iter().map(row).collect()
 }
 
 fn groups(measured: &Measured, label: &str) -> Vec<[String; 7]> {
-    let Some(photo) = measured.forward.get("forward") else { return Vec::new() };
+    let Some(photo) = measured.forward.get("photo") else { return Vec::new() };
     let relit = |group: &str| {
-        let rows = &measured.forward.get("forward_new_light")?.rows;
+        let rows = &measured.forward.get("new_light")?.rows;
         rows.iter().find(|row| row.group == group)
     };
     let cell = |ratio: f64, std: f64| format!("{ratio:.3} +- {std:.3}");

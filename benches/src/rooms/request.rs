@@ -23,7 +23,7 @@ pub(crate) struct RoomsRequest {
     /// The photograph's format: linear EXR or 8-bit PNG.
     #[arg(long, value_enum, default_value_t = Photos::Both)]
     pub(super) photo: Photos,
-    /// What unrender reads: the published file as it is, or the one rewritten for Mitsuba 3.9.1, without glass.
+    /// What unrender reads: the published file as it is, or the one rewritten for Mitsuba 3.9.1.
     #[arg(long, value_enum, default_value_t = Input::Published)]
     pub(super) input: Input,
     /// The lobe to recover, as `brdf` in a project [default: the program's for a Mitsuba scene].

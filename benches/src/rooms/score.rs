@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The version of the format that is read.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The scores of one estimate.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -103,10 +103,10 @@ impl Forward {
 mod tests {
     use super::*;
 
-    const TEXT: &str = r#"{"version": 1, "room": "cellar", "albedo_db": 20.5, "roughness_db": 9.25,
+    const TEXT: &str = r#"{"version": 2, "room": "cellar", "albedo_db": 20.5, "roughness_db": 9.25,
         "silent_share": 0.5, "groups": 10, "wrong": 4, "wrong_and_told": 1, "right_and_told": 2, "rows": [],
         "pictures": {"new_view": {"psnr": 25.0, "median": 0.1, "mean": 1.0}},
-        "forward": {"forward": {"mean": 0.99, "rows": [
+        "forward": {"photo": {"mean": 0.99, "rows": [
             {"group": "a", "pixels": 900, "kind": "diffuse", "ratio": 1.02, "std": 0.001},
             {"group": "b", "pixels": 900, "kind": "plastic", "ratio": 0.95, "std": 0.001},
             {"group": "c", "pixels": 100, "kind": "plastic", "ratio": 1.5, "std": 0.001}]}}}"#;
@@ -118,11 +118,11 @@ mod tests {
         assert!(
             score.wrong_text().starts_with("40.0 %") && score.told_text().starts_with("25.0 %")
         );
-        assert_eq!(score.forward["forward"].alike(500), (1, 2));
+        assert_eq!(score.forward["photo"].alike(500), (1, 2));
     }
 
     #[test]
     fn another_version_is_refused() {
-        assert!(Score::parse(&TEXT.replace("\"version\": 1", "\"version\": 2")).is_err());
+        assert!(Score::parse(&TEXT.replace("\"version\": 2", "\"version\": 1")).is_err());
     }
 }

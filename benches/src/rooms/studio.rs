@@ -17,6 +17,9 @@ const SPP: u32 = 512;
 /// The same for a trial, which only tests the steps.
 const QUICK_SPP: u32 = 64;
 
+/// The version of `truth.py`: photographs of another one are taken anew.
+const TRUTH: u32 = 2;
+
 /// The scripts, and the folder of photographs and results.
 pub(crate) struct Studio {
     python: PathBuf,
@@ -106,7 +109,7 @@ impl Studio {
         let [file, size] = [&about["file"], &about["size"]];
         serde_json::json!({
             "file": file, "size": size, "new_view": about["new_view"], "new_light": about["new_light"],
-            "spp": self.spp,
+            "spp": self.spp, "truth": TRUTH,
         })
     }
 

@@ -76,7 +76,7 @@ fn materials(recovery: &Recovery) -> String {
 }
 
 fn forward(measured: &Measured) -> String {
-    let Some(forward) = measured.forward.get("forward") else {
+    let Some(forward) = measured.forward.get("photo") else {
         return "true materials not rendered".to_owned();
     };
     let (alike, all) = forward.alike(LARGE);

@@ -55,7 +55,7 @@ pub(crate) fn find(guess: &Guess<'_>, options: &Options, first: &Guess<'_>) -> O
     let mut passes = Passes::new(options);
     let mut fit = |from: Guess<'_>, unknowns: &Unknowns, is_free: bool| {
         let (found, left) = passes.nearest(from, unknowns, is_free);
-        (left.max(0.0).sqrt(), guess.exposure / found.exposure)
+        (left, guess.exposure / found.exposure)
     };
     let present = uniform(guess);
     let free = Unknowns::of(&present);

@@ -1,6 +1,6 @@
 //! Gauss-Newton on the same paths, with damping after a step that made things worse [Levenberg 1944; Marquardt 1963].
 
-use super::means::{self, Mean};
+use super::means::{Mean, RelativeErrors};
 use super::normal::Normal;
 use super::system::System;
 use super::unknowns::Unknowns;
@@ -36,9 +36,8 @@ pub(super) struct Taken<'s> {
     /// Its number, from one.
     pub(super) number: usize,
     pub(super) step: &'s DVector<f64>,
-    /// The relative squared error before it, and those of the groups.
-    pub(super) error: f64,
-    pub(super) errors: &'s [Option<f64>],
+    /// What it leaves to explain, before it.
+    pub(super) errors: &'s RelativeErrors,
 }
 
 /// Where a step starts: the guess, what it leaves of the photograph, and its equations.
@@ -66,8 +65,7 @@ impl Descent<'_> {
             guess.look_at_photograph();
             let means = show(&guess);
             let normal = Normal::of(&means, unknowns, guess.materials.len());
-            let error = relative_error(&normal, &means);
-            let errors = means::relative_errors(&means, guess.materials.len());
+            let errors = RelativeErrors::of(&means, guess.materials.len());
             let worse = last.as_ref().is_some_and(|last| last.is_better_than(&means));
             let start = match last.take() {
                 Some(before) if worse => {
@@ -91,7 +89,7 @@ impl Descent<'_> {
             }
             guess = start.guess.clone();
             unknowns.apply(&mut guess, &step);
-            if !goes_on(&guess, &Taken { number, step: &step, error, errors: &errors }) {
+            if !goes_on(&guess, &Taken { number, step: &step, errors: &errors }) {
                 break;
             }
             last = Some(start);
@@ -139,10 +137,4 @@ pub(super) fn system(
 pub(super) fn in_deviations(step: &DVector<f64>, covariance: &DMatrix<f64>) -> Vec<f64> {
     let of = |k: usize| step[k].abs() / covariance[(k, k)].sqrt().max(f64::MIN_POSITIVE);
     (0..step.len()).map(of).collect()
-}
-
-/// The relative squared error.
-pub(super) fn relative_error(normal: &Normal, means: &[Mean]) -> f64 {
-    let n = 3.0 * means.iter().map(|m| m.pixels).sum::<f64>().max(1.0);
-    normal.errors.iter().sum::<f64>() / n
 }

@@ -48,6 +48,8 @@ pub(crate) struct Mean {
     pub(crate) variance: Rgb,
     /// What model errors are relative to, squared, at the model's brightness.
     pub(crate) level2: Rgb,
+    /// The same of the brighter one of model and photograph.
+    pub(crate) brighter2: Rgb,
     /// For each channel: the unknowns on which the rendering depends, and its derivative by them in
     /// each of the two renderings.
     pub(crate) rows: [Vec<(usize, f64, f64)>; 3],
@@ -137,6 +139,8 @@ fn take_levels(means: &mut [Mean]) {
         let near = mean.place.around().filter_map(|place| cells.get(&(mean.group, place)));
         let [local, shown] = near.fold(LocalSums::default(), |sum, cell| sum.and(cell)).means();
         let [group, group_shown] = groups[&mean.group].means();
+        let bright = level2(group.max(group_shown), local.max(shown));
+        mean.brighter2 = mean.place.fine_blocks() * bright;
         let (group, local) = followed((group, local), (group_shown, shown));
         mean.level2 = mean.place.fine_blocks() * level2(group, local);
         mean.variance = mean.noise.variance(local) / mean.pixels as f32;
@@ -183,18 +187,30 @@ pub(crate) fn average(average: &mut Vec<Mean>, found: Vec<Mean>) {
     average.iter_mut().zip(found).for_each(|(mean, found)| mean.add(&found));
 }
 
-/// For each of `groups` groups: the relative error of its cells that both renderings see, as a mean
-/// over pixels and channels; none without cells.
-pub(crate) fn relative_errors(means: &[Mean], groups: usize) -> Vec<Option<f64>> {
-    let mut sums = vec![(0.0f64, 0.0f64); groups];
-    for mean in means.iter().filter(|mean| !mean.bound) {
-        let [a, b] = mean.residuals;
-        let (sum, pixels) = &mut sums[mean.group];
-        *sum += f64::from((a * b / mean.level2).element_sum()) * mean.pixels;
-        *pixels += 3.0 * mean.pixels;
+/// What both renderings leave of the photograph, root mean square over pixels and channels, as shares of the brighter one of
+/// photograph and rendering: of a black rendering one, however dark the photograph is.
+pub(crate) struct RelativeErrors {
+    /// That of all pixels.
+    pub(crate) all: f64,
+    /// Those of the groups; none without cells.
+    pub(crate) of_groups: Vec<Option<f64>>,
+}
+
+impl RelativeErrors {
+    /// Those of `groups` groups.
+    pub(crate) fn of(means: &[Mean], groups: usize) -> Self {
+        let mut sums = vec![(0.0f64, 0.0f64); groups];
+        for mean in means {
+            let [a, b] = mean.residuals;
+            let (left, pixels) = &mut sums[mean.group];
+            *left += f64::from((a * b / mean.brighter2).element_sum()) / 3.0 * mean.pixels;
+            *pixels += mean.pixels;
+        }
+        let relative = |(left, pixels): (f64, f64)| (left / pixels).max(0.0).sqrt();
+        let all = sums.iter().fold((0.0, 0.0), |all, of| (all.0 + of.0, all.1 + of.1));
+        let of_groups = sums.into_iter().map(|of| (of.1 > 0.0).then(|| relative(of))).collect();
+        Self { all: relative((all.0, all.1.max(1.0))), of_groups }
     }
-    let relative = |(sum, pixels): (f64, f64)| (sum / pixels).max(0.0).sqrt();
-    sums.into_iter().map(|s| (s.1 > 0.0).then(|| relative(s))).collect()
 }
 
 impl Mean {
@@ -287,6 +303,7 @@ fn mean(
         noise: Noise { base: over(&|p| p.noise.base), slope: over(&|p| p.noise.slope) },
         variance: Rgb::ZERO,
         level2: Rgb::ONE,
+        brighter2: Rgb::ONE,
         rows: [0, 1, 2].map(|channel| {
             if !asks(channel) {
                 return Vec::new();
@@ -294,5 +311,42 @@ fn mean(
             let radiance = radiance.map(|radiance| f64::from(radiance[channel]));
             unknowns.row(guess, (&derivatives, &changes, cell.place.photograph), channel, radiance)
         }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A cell of `group` that shows `photograph` where renderings show `light`.
+    fn cell(group: usize, pixels: f64, photograph: f32, light: f32) -> Mean {
+        Mean {
+            group,
+            place: Place::default(),
+            point: None,
+            bound: false,
+            pixels,
+            paths: 1.0,
+            residuals: [Rgb::splat(photograph - light); 2],
+            light: Rgb::splat(light),
+            noise: Noise { base: Rgb::ZERO, slope: Rgb::ZERO },
+            variance: Rgb::ZERO,
+            level2: Rgb::ONE,
+            brighter2: Rgb::ONE,
+            rows: Default::default(),
+        }
+    }
+
+    #[test]
+    fn where_photograph_or_rendering_is_black_all_is_left_whatever_the_brightness() {
+        for dark in [1.0, 1e-3, 1e-6] {
+            for [photograph, light] in [[dark, 0.0], [0.0, dark]] {
+                let mut cells = [cell(0, 99.0, 1.0, 0.9), cell(1, 1.0, photograph, light)];
+                take_levels(&mut cells);
+                let errors = RelativeErrors::of(&cells, 2);
+                assert!((errors.of_groups[1].unwrap() - 1.0).abs() < 1e-5);
+                assert!((errors.all - (0.99 * 0.01 + 0.01f64).sqrt()).abs() < 1e-5);
+            }
+        }
     }
 }

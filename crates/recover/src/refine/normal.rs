@@ -39,8 +39,6 @@ pub(crate) struct Normal {
     /// The standard deviation, by the spread over the cells, of that part of each unknown's variance that is not due to
     /// the renderings' noise.
     pub(crate) doubt: DVector<f64>,
-    /// What each cell contributes to the relative squared error that both renderings see.
-    pub(crate) errors: Vec<f64>,
     /// The weight of each cell's residuals.
     pub(crate) weights: Vec<Rgb>,
     /// How much of each group's derivatives by each unknown is signal.
@@ -84,7 +82,6 @@ impl Normal {
             g_dependent: DMatrix::zeros(n, n),
             g_rendering: DMatrix::zeros(n, n),
             doubt: DVector::zeros(n),
-            errors: Vec::with_capacity(means.len()),
             weights: Vec::with_capacity(means.len()),
             shrinkage,
             rendering: noise.iter().map(|noise| noise.rendering).collect(),
@@ -103,8 +100,6 @@ impl Normal {
             let rows = mean.rows.iter().enumerate();
             rows.for_each(|(c, row)| add_row(&mut normal.h, row, shrink, f64::from(weight[c])));
             normal.g += gradient(mean, weight, &normal.shrinkage, |_, residual| residual);
-            let error = f64::from((robust * a * b / mean.level2).element_sum());
-            normal.errors.push(error * mean.pixels);
             normal.weights.push(weight);
         }
         normal.h.fill_upper_triangle_with_lower_triangle();

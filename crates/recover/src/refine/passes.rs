@@ -12,9 +12,9 @@
 //! any, or after so many passes that more would help little.
 
 use super::Solution;
-use super::descent::{Descent, Evaluated, STEPS_MAX, Taken, in_deviations, relative_error, system};
+use super::descent::{Descent, Evaluated, STEPS_MAX, Taken, in_deviations, system};
 use super::kept::KeptPaths;
-use super::means::{self, Mean};
+use super::means::{self, Mean, RelativeErrors};
 use super::needs;
 use super::normal::Normal;
 use super::origins::Origins;
@@ -99,7 +99,7 @@ impl<'o> Passes<'o> {
     }
 
     /// Moves `unknowns` to where they explain the photograph best on few paths; if `is_far`, first to where photograph
-    /// and renderings are equally bright. Returns where they came, and the relative squared error that is left there.
+    /// and renderings are equally bright. Returns where they came, and the share of the photograph that is left there.
     pub(super) fn nearest<'a>(
         &mut self,
         mut guess: Guess<'a>,
@@ -119,7 +119,7 @@ impl<'o> Passes<'o> {
         let (mut guess, _) = self.steps(guess, unknowns, &prior, &kept, None);
         guess.look_at_photograph();
         let means = guess.steps.value("pass", || kept.means(&guess, unknowns));
-        let left = relative_error(&Normal::of(&means, unknowns, guess.materials.len()), &means);
+        let left = RelativeErrors::of(&means, guess.materials.len()).all;
         (guess, left)
     }
 
@@ -162,10 +162,10 @@ impl<'o> Passes<'o> {
         }
         let descent = Descent { unknowns, prior };
         let show = |guess: &Guess<'a>| guess.steps.value("pass", || kept.means(guess, unknowns));
-        descent.run(guess, &show, &mut |guess, Taken { number, step, error, errors }| {
+        descent.run(guess, &show, &mut |guess, Taken { number, step, errors }| {
             let Some(progress) = &mut progress else { return true };
             let done = self.within(0.1 + 0.3 * *number as f64 / STEPS_MAX as f64);
-            tell(guess, progress, unknowns, (step, *error, errors), done);
+            tell(guess, progress, unknowns, (step, errors), done);
             !progress.is_cancelled()
         })
     }
@@ -210,10 +210,9 @@ impl<'o> Passes<'o> {
                 break;
             };
             let step = unknowns.apply(&mut guess, &step);
-            let error = relative_error(&normal, &average);
             let done = self.within(0.4 + 0.6 * pass as f64 / passes_max as f64);
-            let errors = means::relative_errors(&average, guess.materials.len());
-            tell(&guess, progress, &unknowns, (&step, error, &errors), done);
+            let errors = RelativeErrors::of(&average, guess.materials.len());
+            tell(&guess, progress, &unknowns, (&step, &errors), done);
             let moved = in_deviations(&step, &covariance);
             settled = moved.iter().all(|moved| *moved <= 1.0);
             let rendering = system.rendering_variance();
@@ -288,12 +287,12 @@ fn tell(
     guess: &Guess<'_>,
     progress: &mut Progress<'_>,
     unknowns: &Unknowns,
-    (step, error, errors): (&DVector<f64>, f64, &[Option<f64>]),
+    (step, errors): (&DVector<f64>, &RelativeErrors),
     done: f64,
 ) {
     let reflectance = |q: Quantity| matches!(q, Quantity::RhoD | Quantity::RhoS);
     let steps = unknowns.list.iter().zip(step.iter());
     let change = steps.filter(|(u, _)| reflectance(u.quantity)).map(|(_, s)| s.abs());
     let change = change.fold(0.0, f64::max);
-    progress.end_pass(guess, change, (error.max(0.0).sqrt(), errors), done);
+    progress.end_pass(guess, change, (errors.all, &errors.of_groups), done);
 }

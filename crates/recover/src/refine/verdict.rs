@@ -1,11 +1,11 @@
 //! What the photograph determines, and what it does not.
 //!
 //! A number is worth what its standard deviation allows. A mirror's diffuse part is removed, or its reflectance made
-//! one, if the change is not significant or below the ladder's threshold. A lobe is removed, or a brushed one made round, if
-//! what that changes is certainly negligible, and one that is as sharp as any that is searched is a mirror. What is only
-//! uncertain stays, since a single highlight leaves a lobe's strength uncertain and its presence certain, which the ladder
-//! compares. A group out of sight whose reflectance stays open is assumed: at its best guess, or white, as the paper does,
-//! where there is nothing to guess from.
+//! one, if the photograph speaks for that or the change is below the threshold of the ladder. A lobe is removed, or a brushed
+//! one made round, if what that changes is certainly negligible, and one that is as sharp as any that is searched is a mirror.
+//! What is only uncertain stays, since a single highlight leaves a lobe's strength uncertain and its presence certain, which
+//! the ladder compares. A group out of sight whose reflectance stays open is assumed: at its best guess, or white, as the
+//! paper does, where there is nothing to guess from.
 
 use super::relations::Relation;
 use super::{Solution, parameters};
@@ -17,7 +17,9 @@ use crate::problem::Options;
 use crate::progress::Progress;
 use crate::record::{Covariance, Deviations, LightResult, Rule, Status};
 use crate::unknown::{Quantity, Unknown};
+use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 use unrender_scene::reflectance::ALPHA_RANGE;
 use unrender_scene::{Material, Rgb};
 
@@ -208,6 +210,20 @@ impl Solution {
     }
 }
 
+/// A mirror without a diffuse part, and one that reflects all.
+const NOT_DIFFUSE: (Quantity, f64) = (Quantity::RhoD, 0.0);
+const ALL_SPECULAR: (Quantity, f64) = (Quantity::RhoS, 1.0);
+
+/// Whether reflectances are likelier to differ from what was found by exactly this `change` than to be any between zero and
+/// one, alike: by the Bayes factor of both, with a normal likelihood [Kass and Raftery 1995]. What is not determined speaks for
+/// nothing.
+fn is_likelier(change: &DVector<f64>, covariance: DMatrix<f64>) -> bool {
+    let Some(factors) = covariance.cholesky() else { return false };
+    let distance = change.dot(&factors.solve(change));
+    let volume = 2.0 * factors.l().diagonal().map(f64::ln).sum() + change.len() as f64 * TAU.ln();
+    !change.is_empty() && volume + distance < 0.0
+}
+
 /// The verdict on one group.
 struct Verdict<'a> {
     solution: &'a Solution,
@@ -234,7 +250,7 @@ impl Verdict<'_> {
             return Some((Hypothesis::Diffuse, diffuse, "its specular part is negligible"));
         }
         match hypothesis {
-            Hypothesis::PartialMirror if self.is_perfect(material.rho_s, explained) => {
+            Hypothesis::PartialMirror if self.is_perfect(guess, explained, &[ALL_SPECULAR]) => {
                 let note = "its reflectance does not differ from one by more than chance";
                 Some((Hypothesis::Mirror, Material::mirror(Rgb::ONE), note))
             }
@@ -263,22 +279,36 @@ impl Verdict<'_> {
     /// The mirror that the group is if its diffuse part is not significant.
     fn mirror(&self, guess: &Guess<'_>, explained: f64) -> Option<(Hypothesis, Material)> {
         let material = &guess.materials[self.group];
-        if self.is_told_from_zero(guess, Quantity::RhoD) && !is_mirror(material, explained) {
+        if !is_mirror(material, explained) && !self.speaks_for(guess, &[NOT_DIFFUSE]) {
             return None;
         }
-        Some(if self.is_perfect(material.rho_s, explained) {
+        Some(if self.is_perfect(guess, explained, &[NOT_DIFFUSE, ALL_SPECULAR]) {
             (Hypothesis::Mirror, Material::mirror(Rgb::ONE))
         } else {
             (Hypothesis::PartialMirror, Material::mirror(material.rho_s))
         })
     }
 
-    /// Whether a mirror's reflectance differs from one by no more than chance or than what is always
-    /// allowed for.
-    fn is_perfect(&self, rho_s: Rgb, explained: f64) -> bool {
-        let std = self.solution.rgb(Quantity::RhoS, self.group).unwrap_or(Rgb::ZERO);
-        let allowed = (CERTAIN as f32 * std).max(Rgb::splat(explained as f32));
-        (Rgb::ONE - rho_s).cmple(allowed).all()
+    /// Whether the photograph speaks for a mirror that reflects all, by `which` of its numbers, or its reflectance differs
+    /// from one by no more than what is always allowed for.
+    fn is_perfect(&self, guess: &Guess<'_>, explained: f64, which: &[(Quantity, f64)]) -> bool {
+        let rho_s = guess.materials[self.group].rho_s;
+        let is_near = (Rgb::ONE - rho_s).cmple(Rgb::splat(explained as f32)).all();
+        is_near || self.speaks_for(guess, which)
+    }
+
+    /// Whether the photograph speaks for these values of quantities of the group. Numbers that are tied together are judged
+    /// together.
+    fn speaks_for(&self, guess: &Guess<'_>, which: &[(Quantity, f64)]) -> bool {
+        let unknowns = &self.solution.unknowns;
+        let wanted = |i: usize| {
+            let own = unknowns.list[i];
+            let (_, wanted) = which.iter().find(|(quantity, _)| *quantity == own.quantity)?;
+            Some((i, wanted - unknowns.value(guess, &own)))
+        };
+        let (indices, change): (Vec<usize>, Vec<f64>) = self.indices().filter_map(wanted).unzip();
+        let covariance = self.solution.covariance.select_rows(&indices).select_columns(&indices);
+        is_likelier(&DVector::from_vec(change), covariance)
     }
 
     fn is_free(&self) -> bool {
@@ -289,14 +319,6 @@ impl Verdict<'_> {
     fn largest(&self, quantity: Quantity) -> f64 {
         let std = self.solution.rgb(quantity, self.group).unwrap_or(Rgb::ZERO);
         f64::from(std.max_element())
-    }
-
-    fn is_told_from_zero(&self, guess: &Guess<'_>, quantity: Quantity) -> bool {
-        let list = &self.solution.unknowns.list;
-        let mut of_quantity = self.indices().filter(|i| list[*i].quantity == quantity);
-        of_quantity.any(|i| {
-            self.solution.unknowns.value(guess, &list[i]) > CERTAIN * self.solution.deviation(i)
-        })
     }
 
     /// Whether the specular part reflects certainly no more than `explained`. A plastic's is what Fresnel's equations say.
@@ -457,6 +479,27 @@ fn ties_told(mut lights: Vec<(String, f64)>) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_what_is_known_well_speaks_for_one_value() {
+        let alone = |off: f64, std: f64| {
+            is_likelier(
+                &DVector::from_element(3, off),
+                DMatrix::from_diagonal_element(3, 3, std * std),
+            )
+        };
+        assert!(alone(0.01, 0.02) && alone(0.0, 0.3));
+        assert!(!alone(0.06, 0.02), "three standard deviations away");
+        assert!(!alone(0.0, 0.5) && !alone(0.96, 0.6), "not determined");
+        // Each of two numbers is hardly known, their sum is.
+        let tied = |off: [f64; 2]| {
+            let own = 0.3f64.powi(2);
+            let covariance = DMatrix::from_row_slice(2, 2, &[own, -0.999 * own, -0.999 * own, own]);
+            is_likelier(&DVector::from_row_slice(&off), covariance)
+        };
+        assert!(tied([-0.2, 0.2]) && !tied([-0.2, 0.6]));
+        assert!(!is_likelier(&DVector::zeros(0), DMatrix::zeros(0, 0)));
+    }
 
     #[test]
     fn of_many_lights_that_are_tied_a_few_are_named() {

@@ -97,6 +97,8 @@ pub(crate) struct Pattern {
     pub(crate) gain: f64,
     /// The standard deviation of that, from square to square.
     pub(crate) deviation: f64,
+    /// How many standard deviations it is by the ranks of the squares: a texture is everywhere.
+    pub(crate) certainty: f64,
     /// The contrast that there may be, by [`WORSE`] of these.
     pub(crate) at_most: f64,
 }
@@ -107,17 +109,14 @@ impl Pattern {
     pub(crate) fn measured(&self, holds: bool, least: f64) -> Measured {
         let share = (least.min(1e6) / self.contrast.abs().max(1e-6)).powi(2);
         let price = share * self.gain.abs();
-        Measured { holds, difference: -self.gain, deviation: self.deviation, price }
+        // What makes the difference so many deviations as it is by ranks; of either sign they may differ.
+        let certainty = (self.gain.signum() * self.certainty).max(1e-3);
+        Measured { holds, difference: -self.gain, deviation: self.gain.abs() / certainty, price }
     }
 
     /// Whether it is a texture of at least this contrast.
     pub(crate) fn is_texture(&self, least: f64) -> bool {
-        self.contrast > least && self.certainty() > WORSE
-    }
-
-    /// How many standard deviations the gain is.
-    fn certainty(&self) -> f64 {
-        self.gain / self.deviation.max(1e-30)
+        self.contrast > least && self.certainty > WORSE
     }
 }
 
@@ -163,7 +162,8 @@ impl Judge {
     }
 
     /// The roughness of the lobe under which texels that repeat predict best, by those of `lobes`, ascending; none if they
-    /// do not certainly predict better than under the `plain` one.
+    /// do not certainly predict better than under the `plain` one. A highlight is in places, so that squares count by what
+    /// they gain: by their ranks a wall's errors of light would be a lobe.
     pub(super) fn roughness(&self, plain: &Lit, lobes: &[(f32, Lit)]) -> Option<f32> {
         let weights = self.weights(&REPEATS);
         let left =
@@ -173,7 +173,7 @@ impl Judge {
         let errors: Vec<f64> = all.iter().map(|left| left.iter().sum()).collect();
         let best = (0..errors.len()).min_by(|a, b| errors[*a].total_cmp(&errors[*b]))?;
         let gain = self.pattern(&REPEATS, &weights, [&left(plain), &all[best]]);
-        (gain.certainty() > CERTAIN).then(|| vertex(&alphas, &errors, best))
+        (gain.gain > CERTAIN * gain.deviation).then(|| vertex(&alphas, &errors, best))
     }
 
     /// What texels under the lobe of `lit` predict beyond what uniform reflectances do.
@@ -188,7 +188,7 @@ impl Judge {
                 // The texture has to beat all of them.
                 let beaten =
                     uniform.iter().map(|left| self.pattern(scale, &weights, [left, &textured]));
-                beaten.min_by(|a, b| a.certainty().total_cmp(&b.certainty()))
+                beaten.min_by(|a, b| a.certainty.total_cmp(&b.certainty))
             };
             let all: Vec<Pattern> = ALIKE.iter().filter_map(of).collect();
             let best = all.iter().max_by(|a, b| a.gain.total_cmp(&b.gain))?;
@@ -201,7 +201,7 @@ impl Judge {
         let all: Vec<Pattern> = SCALES.iter().filter_map(of_scale).collect();
         let most = at_most(&all);
         // The largest contrast of those that are certain.
-        let rank = |of: &Pattern| (of.certainty() > WORSE, of.contrast);
+        let rank = |of: &Pattern| (of.certainty > WORSE, of.contrast);
         let above = |a: &Pattern, b: &Pattern| {
             let ((a, of_a), (b, of_b)) = (rank(a), rank(b));
             a.cmp(&b).then(of_a.total_cmp(&of_b))
@@ -222,7 +222,8 @@ impl Judge {
         let all: f64 = 3.0 * weights.iter().map(|weight| f64::from(*weight)).sum::<f64>();
         let contrast = |gain: f64| gain.signum() * (gain.abs() / all.max(1e-30)).sqrt();
         let at_most = contrast(gain + WORSE * deviation);
-        Pattern { contrast: contrast(gain), gain, deviation, at_most }
+        let certainty = signed_rank(&sums);
+        Pattern { contrast: contrast(gain), gain, deviation, certainty, at_most }
     }
 
     /// The weighted square that each pixel leaves under a light that may be wrong slowly; `left` twice by its halves.
@@ -302,6 +303,16 @@ impl Judge {
         let usual = scale.even * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         self.variance.iter().map(|variance| 1.0 / (variance + usual + 1e-4)).collect()
     }
+}
+
+/// How many standard deviations the sum of the signed ranks of `values` is away from none [Wilcoxon 1945]. A few large ones, as
+/// of a highlight in one place, are no certainty, and do not hide that of many small ones.
+fn signed_rank(values: &[f64]) -> f64 {
+    let mut by_size: Vec<f64> = values.iter().copied().filter(|value| *value != 0.0).collect();
+    by_size.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    let ranked = by_size.iter().zip(1..).map(|(value, rank)| value.signum() * f64::from(rank));
+    let (sum, squares) = ranked.fold((0.0, 0.0), |(s, q), rank| (s + rank, q + rank * rank));
+    sum / f64::max(squares, f64::MIN_POSITIVE).sqrt()
 }
 
 /// What is left of `shown` under a light, twice, in these units.
@@ -394,4 +405,22 @@ fn vertex(alphas: &[f32], errors: &[f64], least: usize) -> f32 {
     let curvature = (right - left) / (0.5 * (x[2] - x[0]));
     let at = 0.5 * (x[0] + x[1]) - left / curvature;
     at.clamp(x[0], x[2]).exp() as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_small_gains_are_certain_and_one_large_gain_is_not() {
+        let alternate = |i: usize| if i.is_multiple_of(2) { 0.1 } else { -0.1 };
+        let one: Vec<f64> = (0..60).map(|i| if i == 7 { 1e3 } else { alternate(i) }).collect();
+        assert!(signed_rank(&one).abs() < 1.0);
+        let many: Vec<f64> = (0..60).map(|i| if i == 7 { -1e3 } else { 0.1 }).collect();
+        assert!(signed_rank(&many) > CERTAIN && many.iter().sum::<f64>() < 0.0);
+        // All of n alike: sqrt(3 n (n + 1) / (2 (2 n + 1))).
+        let expected = f64::sqrt(3.0 * 60.0 * 61.0 / (2.0 * 121.0));
+        assert!((signed_rank(&[2.0; 60]) - expected).abs() < 1e-9);
+        assert!(signed_rank(&[0.0; 4]).abs() < f64::EPSILON);
+    }
 }
