@@ -180,7 +180,7 @@ pub enum Rule {
     LightSamples,
     /// Texels from some of the group's pixels have to predict the others better than a uniform reflectance does.
     Prediction,
-    /// The standard deviations of its additional numbers say that these are not significant, or certainly negligible.
+    /// The last refinement speaks for the values that a simpler one has, or says that its additional numbers are negligible.
     Simpler,
     /// The project allows no other.
     Project,

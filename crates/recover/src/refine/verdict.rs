@@ -210,10 +210,6 @@ impl Solution {
     }
 }
 
-/// A mirror without a diffuse part, and one that reflects all.
-const NOT_DIFFUSE: (Quantity, f64) = (Quantity::RhoD, 0.0);
-const ALL_SPECULAR: (Quantity, f64) = (Quantity::RhoS, 1.0);
-
 /// Whether reflectances are likelier to differ from what was found by exactly this `change` than to be any between zero and
 /// one, alike: by the Bayes factor of both, with a normal likelihood [Kass and Raftery 1995]. What is not determined speaks for
 /// nothing.
@@ -250,7 +246,9 @@ impl Verdict<'_> {
             return Some((Hypothesis::Diffuse, diffuse, "its specular part is negligible"));
         }
         match hypothesis {
-            Hypothesis::PartialMirror if self.is_perfect(guess, explained, &[ALL_SPECULAR]) => {
+            Hypothesis::PartialMirror
+                if self.is_perfect(guess, explained, &[(Quantity::RhoS, 1.0)]) =>
+            {
                 let note = "its reflectance does not differ from one by more than chance";
                 Some((Hypothesis::Mirror, Material::mirror(Rgb::ONE), note))
             }
@@ -279,14 +277,16 @@ impl Verdict<'_> {
     /// The mirror that the group is if its diffuse part is not significant.
     fn mirror(&self, guess: &Guess<'_>, explained: f64) -> Option<(Hypothesis, Material)> {
         let material = &guess.materials[self.group];
-        if !is_mirror(material, explained) && !self.speaks_for(guess, &[NOT_DIFFUSE]) {
+        if !is_mirror(material, explained) && !self.speaks_for(guess, &[(Quantity::RhoD, 0.0)]) {
             return None;
         }
-        Some(if self.is_perfect(guess, explained, &[NOT_DIFFUSE, ALL_SPECULAR]) {
-            (Hypothesis::Mirror, Material::mirror(Rgb::ONE))
-        } else {
-            (Hypothesis::PartialMirror, Material::mirror(material.rho_s))
-        })
+        Some(
+            if self.is_perfect(guess, explained, &[(Quantity::RhoD, 0.0), (Quantity::RhoS, 1.0)]) {
+                (Hypothesis::Mirror, Material::mirror(Rgb::ONE))
+            } else {
+                (Hypothesis::PartialMirror, Material::mirror(material.rho_s))
+            },
+        )
     }
 
     /// Whether the photograph speaks for a mirror that reflects all, by `which` of its numbers, or its reflectance differs

@@ -1,7 +1,7 @@
 //! Figure 8 of the paper from its picture: a Cornell box with an anisotropic floor. At full size it
 //! takes minutes; each `.ci/run` recovers a draft from a picture of a sixteenth of the pixels.
 
-use crate::kit::example::{Limits, beside_crates, recovers, shrunk};
+use crate::kit::example::{Limits, beside_crates, errors_of, recovers, shrunk};
 use unrender::formats::picture;
 
 /// Pixels of the full picture per pixel of the small picture, along each side.
@@ -18,12 +18,31 @@ fn a_small_figure_8_is_drafted() {
 }
 
 // With the seeds 0 to 2 errors are 0.0012 to 0.0027, 0.16 to 0.23 % and 0.18 to 0.42 degrees, where the direction's standard
-// deviation is 0.30 to 0.58 degrees. The limits are the largest of them: all three seeds take 80 seconds more.
+// deviation is 0.30 to 0.58 degrees. The limits are the largest of them: all three seeds, below, take 80 seconds more than `.ci/run` has.
 #[test]
 #[ignore = "slow: the usual effort"]
 fn a_small_figure_8_is_recovered() {
     let limits = Limits { rho: 0.0028, alpha_percent: 0.24, degrees: 0.45 };
     recovers(small_figure_8().path(), "fig8.toml", &["--spp", "2"], &limits);
+}
+
+// One seed alone is a matter of luck.
+#[test]
+#[ignore = "slow: three recoveries at the usual effort"]
+fn three_seeds_recover_a_small_figure_8() {
+    let folder = small_figure_8();
+    let errors: Vec<Limits> = ["0", "1", "2"]
+        .map(|seed| errors_of(folder.path(), "fig8.toml", &["--spp", "2", "--seed", seed]))
+        .into();
+    let median = |of: fn(&Limits) -> f64| {
+        let mut all: Vec<f64> = errors.iter().map(of).collect();
+        all.sort_by(f64::total_cmp);
+        all[1]
+    };
+    let medians = [median(|e| e.rho), median(|e| e.alpha_percent), median(|e| e.degrees)];
+    println!("{medians:?}");
+    let limits = [0.0025, 0.4, 0.3];
+    assert!(medians.iter().zip(limits).all(|(error, limit)| *error <= limit), "{medians:?}");
 }
 
 /// Figure 8 from a picture of a sixteenth of the pixels.
